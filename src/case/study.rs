@@ -1,0 +1,45 @@
+//! How a case is studied: strategies, sample counts, replicates and the bias that a pass must have been able to see.
+
+use crate::sampling::Strategy;
+
+/// Independent repeats of each estimate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Replicates {
+    /// As many as the smallest bias needs.
+    Auto,
+    /// This many, ≥ 2.
+    Fixed(u64),
+}
+
+/// The relative deviations that a pass must have been able to see with 99 % probability.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SmallestBias {
+    /// Of the mean over the points.
+    pub mean: f64,
+    /// At every point that a tenth or more of the sources' light reaches.
+    pub point: f64,
+}
+
+/// Settings of a study. Every one has a default; the command line overrides all cases.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Study {
+    pub strategies: Vec<Strategy>,
+    /// Points on each source, per shading point, per replicate; each ≥ 1, ascending.
+    pub samples: Vec<u64>,
+    pub replicates: Replicates,
+    pub smallest_bias: SmallestBias,
+    /// Relative; a deviation up to this is no fault.
+    pub tolerance: f64,
+}
+
+impl Default for Study {
+    fn default() -> Study {
+        Study {
+            strategies: Strategy::ALL.to_vec(),
+            samples: vec![1, 4, 16, 64, 256, 1024],
+            replicates: Replicates::Auto,
+            smallest_bias: SmallestBias { mean: 1e-2, point: 1e-1 },
+            tolerance: 0.0,
+        }
+    }
+}

@@ -1,0 +1,109 @@
+//! A fingerprint of a configuration's physical content.
+
+use std::fmt;
+
+use glam::DVec3;
+use sha2::{Digest as _, Sha256};
+
+use super::{Configuration, ReceiverShape};
+use crate::geometry::Shape;
+
+/// SHA-256 over the physical content: shapes, exitances, albedo and measurement points, each number by its bits.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Digest([u8; 32]);
+
+impl Digest {
+    pub(super) fn of(configuration: &Configuration) -> Digest {
+        let mut content = Content(Sha256::new());
+        content.tag("etendue configuration 1");
+        content.count(configuration.sources.len());
+        for source in &configuration.sources {
+            content.shape(&source.shape);
+            content.number(source.exitance.watts_per_square_metre());
+        }
+        content.count(configuration.occluders.len());
+        configuration.occluders.iter().for_each(|shape| content.shape(shape));
+        if let Some(receiver) = &configuration.receiver {
+            content.receiver(receiver.shape());
+            content.number(receiver.albedo().map_or(-1.0, |albedo| albedo.ratio()));
+        }
+        content.count(configuration.points.len());
+        for point in &configuration.points {
+            content.vector(point.position);
+            content.vector(point.normal);
+        }
+        Digest(content.0.finalize().into())
+    }
+
+    /// The first 64 bits, as a number to key random streams with.
+    pub fn key(&self) -> u64 {
+        u64::from_le_bytes(self.0[..8].try_into().expect("eight bytes"))
+    }
+}
+
+impl fmt::Display for Digest {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.iter().try_for_each(|byte| write!(f, "{byte:02x}"))
+    }
+}
+
+impl fmt::Debug for Digest {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Digest({self})")
+    }
+}
+
+struct Content(Sha256);
+
+impl Content {
+    fn tag(&mut self, text: &str) {
+        self.count(text.len());
+        self.0.update(text.as_bytes());
+    }
+    fn count(&mut self, n: usize) {
+        self.0.update((n as u64).to_le_bytes());
+    }
+    fn number(&mut self, x: f64) {
+        // −0.0 and 0.0 are the same length.
+        self.0.update((x + 0.0).to_bits().to_le_bytes());
+    }
+    fn vector(&mut self, v: DVec3) {
+        v.to_array().into_iter().for_each(|c| self.number(c));
+    }
+    fn vectors(&mut self, vs: &[DVec3]) {
+        self.count(vs.len());
+        vs.iter().for_each(|v| self.vector(*v));
+    }
+    fn shape(&mut self, shape: &Shape) {
+        self.tag(shape.kind());
+        match shape {
+            Shape::Disk(s) => {
+                self.vector(s.center());
+                self.vector(s.normal());
+                self.number(s.radius());
+            }
+            Shape::Rectangle(s) => self.vectors(&[s.center(), s.edge_u(), s.edge_v()]),
+            Shape::Polygon(s) => self.vectors(s.vertices()),
+            Shape::Sphere(s) => {
+                self.vector(s.center());
+                self.number(s.radius());
+            }
+            Shape::Mesh(s) => {
+                self.vectors(s.vertices());
+                self.count(s.triangles().len());
+                s.triangles().iter().flatten().for_each(|index| self.0.update(index.to_le_bytes()));
+            }
+        }
+    }
+    fn receiver(&mut self, shape: &ReceiverShape) {
+        match shape {
+            ReceiverShape::Rectangle(s) => self.shape(&Shape::Rectangle(*s)),
+            ReceiverShape::Disk(s) => self.shape(&Shape::Disk(*s)),
+            ReceiverShape::Sphere(s) => self.shape(&Shape::Sphere(*s)),
+            ReceiverShape::Triangle(s) => {
+                self.tag("triangle");
+                self.vectors(&s.vertices());
+            }
+        }
+    }
+}

@@ -1,0 +1,17 @@
+//! Shapes and frames: where things are, with no light in them yet.
+//!
+//! All lengths are in metres, all angles in radians, all frames right-handed.
+
+mod frame;
+mod mesh;
+mod polygon;
+mod shape;
+
+pub use frame::Frame;
+pub use mesh::Mesh;
+pub use polygon::Polygon;
+pub use shape::{Disk, Rectangle, Shape, ShapeError, Sphere, Triangle};
+pub(crate) use shape::{finite as finite_point, unit};
+
+/// `glam`'s double-precision vector, re-exported so that users need not match its version.
+pub use glam::DVec3;

@@ -1,0 +1,14 @@
+//! **etendue**: a radiometry verification harness.
+//!
+//! It holds exact, closed-form irradiance for area sources behind occluders, measures how far Monte Carlo estimators
+//! are from it and how noisy they are, and says so in verdicts whose error rates are known.
+#![forbid(unsafe_code)]
+
+pub mod case;
+pub mod configuration;
+pub mod geometry;
+pub mod oracle;
+pub mod radiometry;
+pub mod sampling;
+pub mod statistics;
+pub mod trial;

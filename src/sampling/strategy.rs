@@ -1,0 +1,39 @@
+//! The ways of choosing points on a source.
+
+use std::fmt;
+
+/// A point pattern, and whether its points are fresh for each shading point or shared by all.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Strategy {
+    /// N independent uniform points, fresh for each shading point.
+    Random,
+    /// One set of N independent uniform points, shared by all shading points of a replicate.
+    Correlated,
+    /// One uniform point in each of N strata of equal area, fresh for each shading point.
+    Stratified,
+}
+
+impl Strategy {
+    /// All of them, in the order of reports.
+    pub const ALL: [Strategy; 3] = [Strategy::Random, Strategy::Correlated, Strategy::Stratified];
+
+    /// The name that case files and reports use.
+    pub fn name(self) -> &'static str {
+        match self {
+            Strategy::Random => "random",
+            Strategy::Correlated => "correlated",
+            Strategy::Stratified => "stratified",
+        }
+    }
+
+    /// The strategy of that name.
+    pub fn from_name(name: &str) -> Option<Strategy> {
+        Strategy::ALL.into_iter().find(|s| s.name() == name)
+    }
+}
+
+impl fmt::Display for Strategy {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}

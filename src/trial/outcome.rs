@@ -1,0 +1,154 @@
+//! What a run found: everything that reports show, and nothing about how it is shown.
+
+use crate::configuration::{Arrangement, Digest, MeasurementPoint};
+use crate::oracle::{Region, Truth};
+use crate::radiometry::Albedo;
+use crate::sampling::Strategy;
+use crate::statistics::Verdict;
+
+/// A whole run, cases in the order they were given.
+#[derive(Clone, Debug)]
+pub struct RunOutcome {
+    pub seed: u64,
+    /// The command that reproduces the run: only options that move numbers.
+    pub command: String,
+    pub cases: Vec<CaseOutcome>,
+}
+
+/// One case.
+#[derive(Clone, Debug)]
+pub struct CaseOutcome {
+    pub name: String,
+    pub title: String,
+    pub digest: Digest,
+    pub arrangement: Arrangement,
+    pub albedo: Option<Albedo>,
+    pub points: Vec<MeasurementPoint>,
+    /// One for each point.
+    pub truths: Vec<Truth>,
+    pub strategies: Vec<StrategyOutcome>,
+    /// Stages that belong to no strategy (exact values, the hierarchy against brute force).
+    pub timings: Vec<Timing>,
+}
+
+/// One case under one strategy.
+#[derive(Clone, Debug)]
+pub struct StrategyOutcome {
+    pub strategy: Strategy,
+    /// One for each sample count, ascending.
+    pub cells: Vec<Cell>,
+    pub rates: Vec<Rate>,
+    pub correlations: Vec<Correlation>,
+    pub verdicts: Vec<JudgedProperty>,
+    pub timings: Vec<Timing>,
+}
+
+/// All points at one sample count.
+#[derive(Clone, Debug)]
+pub struct Cell {
+    /// Points on each source.
+    pub samples: u64,
+    pub replicates: u64,
+    /// One for each measurement point.
+    pub points: Vec<Measured>,
+}
+
+/// Irradiance estimates at one point with one sample count, over all replicates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measured {
+    /// W/m².
+    pub mean: f64,
+    /// Mean less exact value, W/m².
+    pub bias: f64,
+    /// Standard error of the bias, W/m².
+    pub bias_std_error: f64,
+    /// Variance of one estimate, W²/m⁴ (divisor n − 1).
+    pub variance: f64,
+    /// 95 % interval of the variance, W²/m⁴.
+    pub variance_low: f64,
+    pub variance_high: f64,
+    /// Of the exact side, W²/m⁴; `None` where it is not predicted.
+    pub predicted_variance: Option<f64>,
+    /// Mean squared error against the exact value, W²/m⁴.
+    pub mse: f64,
+}
+
+/// How a quantity falls with the number of samples, over the points of one region.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rate {
+    /// `variance`.
+    pub quantity: &'static str,
+    /// `None`: all points that light reaches.
+    pub region: Option<Region>,
+    /// Of log quantity over log N: the fit and its 95 % interval.
+    pub slope: f64,
+    pub slope_low: f64,
+    pub slope_high: f64,
+    /// Natural log of the fitted quantity at N = 1.
+    pub intercept: f64,
+    /// The asymptote that theory gives.
+    pub expected_slope: f64,
+    /// `None` where the slope is shown, not judged.
+    pub verdict: Option<Verdict>,
+    /// What the line was fitted to, ascending in N.
+    pub points: Vec<RatePoint>,
+}
+
+/// One point of a variance curve: the mean over the region's points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RatePoint {
+    pub samples: u64,
+    /// W²/m⁴, with its 95 % interval.
+    pub value: f64,
+    pub low: f64,
+    pub high: f64,
+}
+
+/// Correlation of the errors of points at one separation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Correlation {
+    pub samples: u64,
+    /// Metres.
+    pub separation: f64,
+    /// In [−1, 1], with its 95 % interval.
+    pub correlation: f64,
+    pub low: f64,
+    pub high: f64,
+    pub predicted: Option<f64>,
+}
+
+/// One line of the verdict table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JudgedProperty {
+    /// `bias`.
+    pub property: &'static str,
+    pub verdict: Verdict,
+    /// log10 of the test's capital.
+    pub evidence: f64,
+    /// log10 of the capital at which a verdict fails.
+    pub threshold: f64,
+    /// Relative deviation with its 95 % interval: of the mean over points, or of what failed worst.
+    pub effect: f64,
+    pub effect_low: f64,
+    pub effect_high: f64,
+    /// What would have been caught with 99 % probability, relative; `None` where no light is due anywhere.
+    pub smallest_bias_mean: Option<f64>,
+    /// The same at the worst point that a tenth or more of the light reaches.
+    pub smallest_bias_point: Option<f64>,
+    /// One sentence that a reader cannot misread.
+    pub words: String,
+    /// The command line that gives the same verdict.
+    pub reproduce: String,
+}
+
+/// Time spent on one stage. The only part of an outcome that differs from run to run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Timing {
+    pub stage: &'static str,
+    /// Shadow rays (or exact evaluations) made.
+    pub rays: u64,
+    /// CPU seconds, summed over threads.
+    pub seconds: f64,
+    /// 1 / (mean variance × time) of one estimate at the largest N; `None` where nothing is estimated.
+    pub efficiency: Option<f64>,
+}
