@@ -1,5 +1,23 @@
-//! Where the points on a source come from: seeds, strategies and the maps from the unit square to a surface.
+//! Where the points on a source come from: keyed streams, strategies, and the maps from the unit square to a surface.
+//!
+//! Samples travel in blocks of [`BLOCK`] and lanes of [`LANES`]: sample i of an estimate uses lane i mod 8 of its
+//! stream, first for u, then for v. That order is part of the format: a wider instruction set moves no number.
 
+mod arc;
+mod lanes;
+mod pattern;
+mod seed;
 mod strategy;
+mod warp;
 
+pub use lanes::{LANES, Lanes, Stream};
+pub use pattern::{Pattern, Squares};
+pub use seed::{Purpose, StreamKey};
 pub use strategy::Strategy;
+pub use warp::{Surface, SurfaceBlock};
+
+/// Samples worked on together: small enough for the first-level cache, large enough to hide the dispatch.
+pub const BLOCK: usize = 128;
+
+/// Coordinates of one block of samples.
+pub type Row = [f64; BLOCK];

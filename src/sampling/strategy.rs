@@ -26,6 +26,20 @@ impl Strategy {
         }
     }
 
+    /// Whether one set of points serves all shading points of a replicate.
+    pub fn shares_points(self) -> bool {
+        self == Strategy::Correlated
+    }
+
+    /// Keys the strategy's streams. Fixed for ever: a new strategy takes a new number.
+    pub(super) fn stream_id(self) -> u64 {
+        match self {
+            Strategy::Random => 1,
+            Strategy::Correlated => 2,
+            Strategy::Stratified => 3,
+        }
+    }
+
     /// The strategy of that name.
     pub fn from_name(name: &str) -> Option<Strategy> {
         Strategy::ALL.into_iter().find(|s| s.name() == name)

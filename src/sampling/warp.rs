@@ -1,0 +1,373 @@
+//! Maps from the unit square to a surface. All are of equal area (the density per area is one over the area) and
+//! continuous wherever the surface allows, so that strata keep both their area and their shape.
+
+use std::f64::consts::FRAC_1_SQRT_2;
+
+use glam::DVec3;
+
+use super::arc::sin_cos_eighth;
+use super::{BLOCK, LANES, Row, Squares};
+use crate::geometry::{Frame, Polygon, Shape};
+
+/// One block of points on a surface, as offsets from the surface's origin, metres.
+#[derive(Clone, Debug)]
+pub struct SurfaceBlock {
+    pub x: Row,
+    pub y: Row,
+    pub z: Row,
+}
+
+impl Default for SurfaceBlock {
+    fn default() -> SurfaceBlock {
+        SurfaceBlock { x: [0.0; BLOCK], y: [0.0; BLOCK], z: [0.0; BLOCK] }
+    }
+}
+
+/// A surface that points can be put on.
+#[derive(Clone, Debug)]
+pub struct Surface {
+    origin: DVec3,
+    area: f64,
+    chart: Chart,
+}
+
+/// How the unit square is laid on the surface.
+#[derive(Clone, Debug)]
+enum Chart {
+    /// (u − ½) edge_u + (v − ½) edge_v.
+    Parallelogram { normal: DVec3, edge_u: DVec3, edge_v: DVec3 },
+    /// Concentric squares to concentric circles (Shirley & Chiu 1997); the axes are R long.
+    Disk { normal: DVec3, tangent: DVec3, bitangent: DVec3 },
+    /// Folded along the diagonal of the square (Heitz, *A Low-Distortion Map Between Triangle and Square*, 2019).
+    Triangle { normal: DVec3, to_second: DVec3, to_third: DVec3 },
+    /// u sweeps the polygon by area, v runs along the chord.
+    Chords { normal: DVec3, sweep: DVec3, along: DVec3, slabs: Vec<Slab> },
+    /// The octahedral map made equal-area by concentric quarter disks (Clarberg, JGT 13(3), 2008).
+    Sphere { radius: f64 },
+}
+
+/// The part of a polygon between two neighbouring vertices in sweep order.
+#[derive(Clone, Debug)]
+struct Slab {
+    /// Share of the polygon's area before this slab.
+    area_before: f64,
+    /// Sweep coordinate where it begins, and its width, metres.
+    start: f64,
+    width: f64,
+    /// Chord (all pieces together) where it begins and ends, times the slab's width, as shares of the polygon's area.
+    chord: [f64; 2],
+    /// Metres of chord per unit of `chord`.
+    metres: f64,
+    /// For each piece, bottom and top at the beginning and at the end.
+    pieces: Vec<[[f64; 2]; 2]>,
+}
+
+impl Surface {
+    /// The surface of a shape; `None` for a mesh.
+    pub fn new(shape: &Shape) -> Option<Surface> {
+        let (origin, chart) = match shape {
+            Shape::Rectangle(s) => {
+                (s.center(), Chart::Parallelogram { normal: s.normal(), edge_u: s.edge_u(), edge_v: s.edge_v() })
+            }
+            Shape::Disk(s) => {
+                let frame = Frame::around(s.normal());
+                let (tangent, bitangent) = (frame.tangent * s.radius(), frame.bitangent * s.radius());
+                (s.center(), Chart::Disk { normal: s.normal(), tangent, bitangent })
+            }
+            Shape::Polygon(s) => match s.vertices() {
+                &[a, b, c] => (a, Chart::Triangle { normal: s.normal(), to_second: b - a, to_third: c - a }),
+                _ => (s.vertices()[0], chords(s)),
+            },
+            Shape::Sphere(s) => (s.center(), Chart::Sphere { radius: s.radius() }),
+            _ => return None,
+        };
+        Some(Surface { origin, area: shape.area(), chart })
+    }
+
+    /// What offsets are measured from, metres.
+    pub fn origin(&self) -> DVec3 {
+        self.origin
+    }
+    /// Square metres.
+    pub fn area(&self) -> f64 {
+        self.area
+    }
+    /// The unit normal of a flat surface.
+    pub fn flat_normal(&self) -> Option<DVec3> {
+        match self.chart {
+            Chart::Parallelogram { normal, .. }
+            | Chart::Disk { normal, .. }
+            | Chart::Triangle { normal, .. }
+            | Chart::Chords { normal, .. } => Some(normal),
+            Chart::Sphere { .. } => None,
+        }
+    }
+    /// The radius of a sphere, metres; a point's normal is its offset over the radius.
+    pub fn sphere_radius(&self) -> Option<f64> {
+        match self.chart {
+            Chart::Sphere { radius } => Some(radius),
+            _ => None,
+        }
+    }
+
+    /// Puts the first `len` points of a block (rounded up to whole lanes) on the surface.
+    #[inline(always)]
+    pub fn place(&self, squares: &Squares, len: usize, out: &mut SurfaceBlock) {
+        match &self.chart {
+            Chart::Parallelogram { edge_u, edge_v, .. } => {
+                place_flat(squares, len, out, *edge_u, *edge_v, |u, v| (u - 0.5, v - 0.5));
+            }
+            Chart::Disk { tangent, bitangent, .. } => place_flat(squares, len, out, *tangent, *bitangent, concentric),
+            Chart::Triangle { to_second, to_third, .. } => {
+                place_flat(squares, len, out, *to_second, *to_third, fold);
+            }
+            Chart::Chords { sweep, along, slabs, .. } => {
+                place_flat(squares, len, out, *sweep, *along, |u, v| on_chord(slabs, u, v));
+            }
+            Chart::Sphere { radius } => {
+                for at in (0..len).step_by(LANES) {
+                    for i in at..at + LANES {
+                        let (x, y, z) = octahedral(squares.u[i], squares.v[i]);
+                        (out.x[i], out.y[i], out.z[i]) = (x * radius, y * radius, z * radius);
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn place_flat(
+    squares: &Squares,
+    len: usize,
+    out: &mut SurfaceBlock,
+    first: DVec3,
+    second: DVec3,
+    chart: impl Fn(f64, f64) -> (f64, f64),
+) {
+    for at in (0..len).step_by(LANES) {
+        for i in at..at + LANES {
+            let (a, b) = chart(squares.u[i], squares.v[i]);
+            out.x[i] = a * first.x + b * second.x;
+            out.y[i] = a * first.y + b * second.y;
+            out.z[i] = a * first.z + b * second.z;
+        }
+    }
+}
+
+/// From the unit square to the unit disk.
+#[inline(always)]
+fn concentric(u: f64, v: f64) -> (f64, f64) {
+    let (a, b) = (2.0 * u - 1.0, 2.0 * v - 1.0);
+    let a_leads = a.abs() > b.abs();
+    let (radius, other) = if a_leads { (a, b) } else { (b, a) };
+    let (sin, cos) = sin_cos_eighth(if radius == 0.0 { 0.0 } else { other / radius });
+    if a_leads { (radius * cos, radius * sin) } else { (radius * sin, radius * cos) }
+}
+
+/// From the unit square to barycentric weights of the second and third vertex.
+#[inline(always)]
+fn fold(u: f64, v: f64) -> (f64, f64) {
+    let low = 0.5 * u.min(v);
+    (u - low, v - low)
+}
+
+/// From the unit square to the unit sphere.
+#[inline(always)]
+fn octahedral(u: f64, v: f64) -> (f64, f64, f64) {
+    let (a, b) = (2.0 * u - 1.0, 2.0 * v - 1.0);
+    let height = 1.0 - (a.abs() + b.abs());
+    let radius = 1.0 - height.abs();
+    let (sin, cos) = sin_cos_eighth(if radius == 0.0 { 0.0 } else { (b.abs() - a.abs()) / radius });
+    let ring = radius * (2.0 - radius * radius).sqrt() * FRAC_1_SQRT_2;
+    let z = (1.0 - radius * radius).copysign(height);
+    ((ring * (cos - sin)).copysign(a), (ring * (cos + sin)).copysign(b), z)
+}
+
+fn on_chord(slabs: &[Slab], u: f64, v: f64) -> (f64, f64) {
+    let slab = &slabs[slabs.partition_point(|slab| slab.area_before <= u).max(1) - 1];
+    // Area from the slab's beginning, over its width: chord₀ x + (chord₁ − chord₀) x²/2 for x in [0, 1].
+    let [begin, end] = slab.chord;
+    let target = u - slab.area_before;
+    let root = (begin * begin + 2.0 * (end - begin) * target).max(0.0).sqrt();
+    let x = if target > 0.0 { (2.0 * target / (begin + root)).min(1.0) } else { 0.0 };
+    let mut left = v * (begin + (end - begin) * x) * slab.metres;
+    let mut y = 0.0;
+    for [bottom, top] in &slab.pieces {
+        let low = bottom[0] + (bottom[1] - bottom[0]) * x;
+        let length = top[0] + (top[1] - top[0]) * x - low;
+        y = low + left.min(length);
+        left -= length;
+        if left <= 0.0 {
+            break;
+        }
+    }
+    (slab.start + slab.width * x, y)
+}
+
+/// Cuts a polygon into slabs. The sweep runs at right angles to the longest edge, so that one end of it is a full chord
+/// and not a needle's point.
+fn chords(polygon: &Polygon) -> Chart {
+    let vertices = polygon.vertices();
+    let n = vertices.len();
+    let longest = (0..n)
+        .map(|i| vertices[(i + 1) % n] - vertices[i])
+        .max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()))
+        .expect("a polygon has edges");
+    let along = longest.normalize();
+    let sweep = along.cross(polygon.normal());
+    let flat: Vec<[f64; 2]> =
+        vertices.iter().map(|p| [(*p - vertices[0]).dot(sweep), (*p - vertices[0]).dot(along)]).collect();
+    let mut stops: Vec<f64> = flat.iter().map(|p| p[0]).collect();
+    stops.sort_by(f64::total_cmp);
+    let size = stops[n - 1] - stops[0];
+    stops.dedup_by(|b, a| *b - *a <= 1e-13 * size);
+    let mut slabs = Vec::new();
+    let mut area_before = 0.0;
+    for stop in stops.windows(2) {
+        let (start, width) = (stop[0], stop[1] - stop[0]);
+        let middle = start + 0.5 * width;
+        let mut crossing: Vec<[f64; 2]> = (0..n)
+            .filter_map(|i| {
+                let (a, b) = (flat[i], flat[(i + 1) % n]);
+                let spans = (a[0] < middle) != (b[0] < middle);
+                let at = |s: f64| a[1] + (b[1] - a[1]) * ((s - a[0]) / (b[0] - a[0])).clamp(0.0, 1.0);
+                spans.then(|| [at(stop[0]), at(stop[1])])
+            })
+            .collect();
+        crossing.sort_by(|a, b| (a[0] + a[1]).total_cmp(&(b[0] + b[1])));
+        let pieces: Vec<[[f64; 2]; 2]> = crossing.chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect();
+        let chord =
+            [0, 1].map(|end| pieces.iter().map(|[bottom, top]| (top[end] - bottom[end]).max(0.0)).sum::<f64>());
+        slabs.push(Slab { area_before, start, width, chord, metres: 1.0, pieces });
+        area_before += 0.5 * (chord[0] + chord[1]) * width;
+    }
+    let total = area_before;
+    for slab in &mut slabs {
+        slab.area_before /= total;
+        slab.chord = slab.chord.map(|c| c * slab.width / total);
+        slab.metres = total / slab.width;
+    }
+    Chart::Chords { normal: polygon.normal(), sweep, along, slabs }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Disk, Rectangle, Sphere};
+    use proptest::prelude::*;
+
+    fn polygon(flat: &[[f64; 2]]) -> Shape {
+        let frame = Frame::around(DVec3::new(0.3, -0.5, 0.7).normalize());
+        let vertices = flat.iter().map(|p| DVec3::new(0.1, 0.2, 0.3) + frame.tangent * p[0] + frame.bitangent * p[1]);
+        Shape::Polygon(Polygon::new(vertices.collect()).unwrap())
+    }
+
+    fn shapes() -> Vec<Shape> {
+        vec![
+            Shape::Rectangle(Rectangle::new(DVec3::X, DVec3::X * 2.0, DVec3::Z).unwrap()),
+            Shape::Disk(Disk::new(DVec3::Y, DVec3::new(1.0, 2.0, -1.0), 0.7).unwrap()),
+            Shape::Sphere(Sphere::new(DVec3::Z, 0.4).unwrap()),
+            polygon(&[[0.0, 0.0], [1.0, 0.2], [0.3, 1.5]]),
+            polygon(&[[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]]),
+            polygon(&[[0.0, 0.0], [1.0, 0.0], [1.3, 0.9], [0.5, 1.6], [-0.3, 0.9]]),
+            // An M: two pieces on some chords.
+            polygon(&[[0.0, 0.0], [3.0, 0.0], [3.0, 2.0], [1.5, 0.5], [0.0, 2.0]]),
+        ]
+    }
+
+    fn grid(surface: &Surface, n: usize) -> Vec<DVec3> {
+        let mut out = SurfaceBlock::default();
+        let mut squares = Squares::default();
+        let mut points = Vec::with_capacity(n * n);
+        for j in 0..n {
+            for start in (0..n).step_by(BLOCK) {
+                let len = BLOCK.min(n - start);
+                for i in 0..len {
+                    squares.u[i] = ((start + i) as f64 + 0.5) / n as f64;
+                    squares.v[i] = (j as f64 + 0.5) / n as f64;
+                }
+                surface.place(&squares, len, &mut out);
+                points.extend((0..len).map(|i| surface.origin() + DVec3::new(out.x[i], out.y[i], out.z[i])));
+            }
+        }
+        points
+    }
+
+    /// Area and first moments against exact values: for a flat shape by its own boundary (Green), independent of the map.
+    fn centroid(shape: &Shape) -> DVec3 {
+        match shape {
+            Shape::Polygon(p) => {
+                let v = p.vertices();
+                let (mut sum, mut area) = (DVec3::ZERO, 0.0);
+                for i in 1..v.len() - 1 {
+                    let part = 0.5 * (v[i] - v[0]).cross(v[i + 1] - v[0]).dot(p.normal());
+                    sum += (v[0] + v[i] + v[i + 1]) / 3.0 * part;
+                    area += part;
+                }
+                sum / area
+            }
+            Shape::Rectangle(s) => s.center(),
+            Shape::Disk(s) => s.center(),
+            Shape::Sphere(s) => s.center(),
+            Shape::Mesh(_) => unreachable!("meshes have no surface map"),
+        }
+    }
+
+    #[test]
+    fn the_mean_over_the_square_is_the_centroid() {
+        for shape in shapes() {
+            let surface = Surface::new(&shape).unwrap();
+            let points = grid(&surface, 512);
+            let mean = points.iter().sum::<DVec3>() / points.len() as f64;
+            // A crease of the map (a re-entrant corner) that falls inside a row of cells costs up to size / n.
+            let allowed = if matches!(&shape, Shape::Polygon(p) if !p.is_convex()) { 1.0 / 512.0 } else { 2e-5 };
+            assert!((mean - centroid(&shape)).length() < allowed, "{shape:?}: {mean}");
+        }
+    }
+
+    #[test]
+    fn equal_parts_of_the_square_get_equal_areas() {
+        // Local area of small quadrilaterals of the map, against area / cells.
+        for shape in shapes() {
+            let surface = Surface::new(&shape).unwrap();
+            let n = 300;
+            let points = grid(&surface, n);
+            let expected = surface.area() / (n * n) as f64;
+            let mut off = 0;
+            for j in 0..n - 1 {
+                for i in 0..n - 1 {
+                    let at = |di: usize, dj: usize| points[(j + dj) * n + i + di];
+                    let cell = 0.5 * (at(1, 1) - at(0, 0)).cross(at(0, 1) - at(1, 0)).length();
+                    off += usize::from((cell / expected - 1.0).abs() > 0.05);
+                }
+            }
+            // Cells on the creases of a map (diagonals, slab borders, gaps between pieces) are cut; all others agree.
+            assert!(off < 8 * n, "{shape:?}: {off} of {} cells have another area", n * n);
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn points_lie_on_their_surface(u in 0.0..=1.0, v in 0.0..=1.0) {
+            for shape in shapes() {
+                let surface = Surface::new(&shape).unwrap();
+                let squares = Squares { u: [u; BLOCK], v: [v; BLOCK] };
+                let mut out = SurfaceBlock::default();
+                surface.place(&squares, 1, &mut out);
+                let offset = DVec3::new(out.x[0], out.y[0], out.z[0]);
+                let (low, high) = shape.bounds();
+                let p = surface.origin() + offset;
+                prop_assert!(p.cmpge(low - 1e-14).all() && p.cmple(high + 1e-14).all(), "{:?} {}", shape, p);
+                match (surface.flat_normal(), surface.sphere_radius()) {
+                    (Some(normal), _) => prop_assert!(offset.dot(normal).abs() < 1e-14),
+                    (None, Some(radius)) => prop_assert!((offset.length() - radius).abs() < 1e-15),
+                    (None, None) => unreachable!(),
+                }
+                if let Shape::Disk(s) = &shape {
+                    prop_assert!(offset.length() <= s.radius() * (1.0 + 1e-15));
+                }
+            }
+        }
+    }
+}
