@@ -6,9 +6,11 @@
 
 pub mod case;
 pub mod configuration;
+pub mod estimator;
 pub mod geometry;
 pub mod oracle;
 pub mod radiometry;
 pub mod sampling;
+pub mod scene;
 pub mod statistics;
 pub mod trial;

@@ -19,5 +19,11 @@ pub use warp::{Surface, SurfaceBlock};
 /// Samples worked on together: small enough for the first-level cache, large enough to hide the dispatch.
 pub const BLOCK: usize = 128;
 
-/// Coordinates of one block of samples.
-pub type Row = [f64; BLOCK];
+/// One number for each sample of a block, lane by lane.
+pub type Row = [[f64; LANES]; BLOCK / LANES];
+
+/// Lanes needed for the first `len` samples of a block, whole ones.
+#[inline(always)]
+pub fn groups(len: usize) -> usize {
+    len.div_ceil(LANES).min(BLOCK / LANES)
+}

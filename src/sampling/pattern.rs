@@ -1,6 +1,6 @@
 //! Points of the unit square, a block at a time.
 
-use super::{BLOCK, LANES, Lanes, Row, Strategy};
+use super::{BLOCK, LANES, Lanes, Row, Strategy, groups};
 
 /// One block of points of the unit square.
 #[derive(Clone, Debug)]
@@ -11,7 +11,7 @@ pub struct Squares {
 
 impl Default for Squares {
     fn default() -> Squares {
-        Squares { u: [0.0; BLOCK], v: [0.0; BLOCK] }
+        Squares { u: [[0.0; LANES]; BLOCK / LANES], v: [[0.0; LANES]; BLOCK / LANES] }
     }
 }
 
@@ -35,9 +35,9 @@ impl Pattern {
     /// The next `len` points (rounded up to whole lanes; what lies beyond `len` is padding of no meaning).
     #[inline(always)]
     pub fn fill(&mut self, squares: &mut Squares, len: usize) {
-        for at in (0..len).step_by(LANES) {
-            squares.u[at..at + LANES].copy_from_slice(&self.lanes.next_units());
-            squares.v[at..at + LANES].copy_from_slice(&self.lanes.next_units());
+        for group in 0..groups(len) {
+            squares.u[group] = self.lanes.next_units();
+            squares.v[group] = self.lanes.next_units();
         }
         if let Some(strata) = &mut self.strata {
             strata.jitter(squares, len);
@@ -75,6 +75,7 @@ impl Strata {
     /// Moves uniform points into their strata, in order.
     #[inline(always)]
     fn jitter(&mut self, squares: &mut Squares, len: usize) {
+        let (all_u, all_v) = (squares.u.as_flattened_mut(), squares.v.as_flattened_mut());
         let mut at = 0;
         while at < len {
             if self.next == self.row_end {
@@ -87,10 +88,10 @@ impl Strata {
             let column = (self.next - self.row_start) as f64;
             let (bottom, height) =
                 (self.row_start as f64 / self.n as f64, (self.row_end - self.row_start) as f64 / self.n as f64);
-            for (k, u) in squares.u[at..at + run].iter_mut().enumerate() {
+            for (k, u) in all_u[at..at + run].iter_mut().enumerate() {
                 *u = (column + k as f64 + *u) * width;
             }
-            for v in &mut squares.v[at..at + run] {
+            for v in &mut all_v[at..at + run] {
                 *v = bottom + *v * height;
             }
             at += run;
@@ -111,7 +112,7 @@ mod tests {
         while (all.len() as u64) < n {
             let len = BLOCK.min(n as usize - all.len());
             pattern.fill(&mut squares, len);
-            all.extend((0..len).map(|i| [squares.u[i], squares.v[i]]));
+            all.extend((0..len).map(|i| [squares.u[i / LANES][i % LANES], squares.v[i / LANES][i % LANES]]));
         }
         all
     }

@@ -6,7 +6,7 @@ use std::f64::consts::FRAC_1_SQRT_2;
 use glam::DVec3;
 
 use super::arc::sin_cos_eighth;
-use super::{BLOCK, LANES, Row, Squares};
+use super::{BLOCK, LANES, Row, Squares, groups};
 use crate::geometry::{Frame, Polygon, Shape};
 
 /// One block of points on a surface, as offsets from the surface's origin, metres.
@@ -19,7 +19,11 @@ pub struct SurfaceBlock {
 
 impl Default for SurfaceBlock {
     fn default() -> SurfaceBlock {
-        SurfaceBlock { x: [0.0; BLOCK], y: [0.0; BLOCK], z: [0.0; BLOCK] }
+        SurfaceBlock {
+            x: [[0.0; LANES]; BLOCK / LANES],
+            y: [[0.0; LANES]; BLOCK / LANES],
+            z: [[0.0; LANES]; BLOCK / LANES],
+        }
     }
 }
 
@@ -125,10 +129,10 @@ impl Surface {
                 place_flat(squares, len, out, *sweep, *along, |u, v| on_chord(slabs, u, v));
             }
             Chart::Sphere { radius } => {
-                for at in (0..len).step_by(LANES) {
-                    for i in at..at + LANES {
-                        let (x, y, z) = octahedral(squares.u[i], squares.v[i]);
-                        (out.x[i], out.y[i], out.z[i]) = (x * radius, y * radius, z * radius);
+                for g in 0..groups(len) {
+                    for l in 0..LANES {
+                        let (x, y, z) = octahedral(squares.u[g][l], squares.v[g][l]);
+                        (out.x[g][l], out.y[g][l], out.z[g][l]) = (x * radius, y * radius, z * radius);
                     }
                 }
             }
@@ -145,12 +149,12 @@ fn place_flat(
     second: DVec3,
     chart: impl Fn(f64, f64) -> (f64, f64),
 ) {
-    for at in (0..len).step_by(LANES) {
-        for i in at..at + LANES {
-            let (a, b) = chart(squares.u[i], squares.v[i]);
-            out.x[i] = a * first.x + b * second.x;
-            out.y[i] = a * first.y + b * second.y;
-            out.z[i] = a * first.z + b * second.z;
+    for g in 0..groups(len) {
+        for l in 0..LANES {
+            let (a, b) = chart(squares.u[g][l], squares.v[g][l]);
+            out.x[g][l] = a * first.x + b * second.x;
+            out.y[g][l] = a * first.y + b * second.y;
+            out.z[g][l] = a * first.z + b * second.z;
         }
     }
 }
@@ -284,11 +288,13 @@ mod tests {
             for start in (0..n).step_by(BLOCK) {
                 let len = BLOCK.min(n - start);
                 for i in 0..len {
-                    squares.u[i] = ((start + i) as f64 + 0.5) / n as f64;
-                    squares.v[i] = (j as f64 + 0.5) / n as f64;
+                    squares.u[i / LANES][i % LANES] = ((start + i) as f64 + 0.5) / n as f64;
+                    squares.v[i / LANES][i % LANES] = (j as f64 + 0.5) / n as f64;
                 }
                 surface.place(&squares, len, &mut out);
-                points.extend((0..len).map(|i| surface.origin() + DVec3::new(out.x[i], out.y[i], out.z[i])));
+                let row = |row: &Row, i: usize| row[i / LANES][i % LANES];
+                let at = |i: usize| DVec3::new(row(&out.x, i), row(&out.y, i), row(&out.z, i));
+                points.extend((0..len).map(|i| surface.origin() + at(i)));
             }
         }
         points
@@ -352,10 +358,10 @@ mod tests {
         fn points_lie_on_their_surface(u in 0.0..=1.0, v in 0.0..=1.0) {
             for shape in shapes() {
                 let surface = Surface::new(&shape).unwrap();
-                let squares = Squares { u: [u; BLOCK], v: [v; BLOCK] };
+                let squares = Squares { u: [[u; LANES]; BLOCK / LANES], v: [[v; LANES]; BLOCK / LANES] };
                 let mut out = SurfaceBlock::default();
                 surface.place(&squares, 1, &mut out);
-                let offset = DVec3::new(out.x[0], out.y[0], out.z[0]);
+                let offset = DVec3::new(out.x[0][0], out.y[0][0], out.z[0][0]);
                 let (low, high) = shape.bounds();
                 let p = surface.origin() + offset;
                 prop_assert!(p.cmpge(low - 1e-14).all() && p.cmple(high + 1e-14).all(), "{:?} {}", shape, p);

@@ -1,0 +1,279 @@
+//! Shadow rays against analytic shapes, a block at a time and without branches on the data.
+
+use glam::DVec3;
+
+use super::Hierarchy;
+use crate::geometry::{Frame, Polygon, Shape};
+use crate::sampling::{BLOCK, LANES, Row, groups};
+
+/// A block of shadow rays from one shading point: displacements to the points on the source, metres.
+#[derive(Clone, Debug)]
+pub struct ShadowRays {
+    pub x: Row,
+    pub y: Row,
+    pub z: Row,
+}
+
+impl Default for ShadowRays {
+    fn default() -> ShadowRays {
+        ShadowRays {
+            x: [[0.0; LANES]; BLOCK / LANES],
+            y: [[0.0; LANES]; BLOCK / LANES],
+            z: [[0.0; LANES]; BLOCK / LANES],
+        }
+    }
+}
+
+impl ShadowRays {
+    /// One displacement.
+    #[inline(always)]
+    pub fn ray(&self, group: usize, lane: usize) -> DVec3 {
+        DVec3::new(self.x[group][lane], self.y[group][lane], self.z[group][lane])
+    }
+}
+
+/// Something that stops light, from both sides.
+pub enum Blocker {
+    Disk {
+        center: DVec3,
+        normal: DVec3,
+        radius_squared: f64,
+    },
+    /// A parallelogram: inside where both dual coordinates are below ½ in size.
+    Parallelogram {
+        center: DVec3,
+        normal: DVec3,
+        dual_u: DVec3,
+        dual_v: DVec3,
+    },
+    /// A simple polygon, in the coordinates of its own plane.
+    Polygon {
+        anchor: DVec3,
+        frame: Frame,
+        edges: Vec<Edge>,
+    },
+    /// A solid ball.
+    Ball {
+        center: DVec3,
+        radius_squared: f64,
+    },
+    Mesh(Box<Hierarchy>),
+}
+
+/// An edge of a flat outline: it spans y in [low, high) and lies at x = at_zero + slope·y.
+#[derive(Clone, Copy, Debug)]
+pub struct Edge {
+    low: f64,
+    high: f64,
+    at_zero: f64,
+    slope: f64,
+}
+
+impl Blocker {
+    /// - `reach`: a box (low, high) that holds every end of every ray, metres
+    pub fn new(shape: &Shape, reach: (DVec3, DVec3)) -> Blocker {
+        match shape {
+            Shape::Disk(s) => {
+                Blocker::Disk { center: s.center(), normal: s.normal(), radius_squared: s.radius() * s.radius() }
+            }
+            Shape::Rectangle(s) => {
+                let across = s.edge_u().cross(s.edge_v());
+                let over = 1.0 / across.length_squared();
+                Blocker::Parallelogram {
+                    center: s.center(),
+                    normal: s.normal(),
+                    dual_u: s.edge_v().cross(across) * over,
+                    dual_v: across.cross(s.edge_u()) * over,
+                }
+            }
+            Shape::Polygon(s) => polygon(s),
+            Shape::Sphere(s) => Blocker::Ball { center: s.center(), radius_squared: s.radius() * s.radius() },
+            Shape::Mesh(s) => Blocker::Mesh(Box::new(Hierarchy::new(s, reach))),
+        }
+    }
+
+    /// Sets to zero the contributions of the rays that this blocks, among the first `len` (rounded up to whole lanes).
+    ///
+    /// - `from`: the shading point, metres
+    #[inline(always)]
+    pub fn shade(&self, from: DVec3, rays: &ShadowRays, len: usize, contributions: &mut Row) {
+        match self {
+            Blocker::Disk { center, normal, radius_squared } => {
+                let offset = from - *center;
+                shade_flat(offset, *normal, rays, len, contributions, |q, s| {
+                    q.length_squared() < radius_squared * s * s
+                });
+            }
+            Blocker::Parallelogram { center, normal, dual_u, dual_v } => {
+                let offset = from - *center;
+                shade_flat(offset, *normal, rays, len, contributions, |q, s| {
+                    let half = 0.5 * s.abs();
+                    (q.dot(*dual_u).abs() < half) & (q.dot(*dual_v).abs() < half)
+                });
+            }
+            Blocker::Polygon { anchor, frame, edges } => {
+                let offset = from - *anchor;
+                shade_flat(offset, frame.normal, rays, len, contributions, |q, s| {
+                    let (x, y) = (q.dot(frame.tangent) / s, q.dot(frame.bitangent) / s);
+                    edges.iter().fold(false, |inside, edge| {
+                        inside ^ ((y >= edge.low) & (y < edge.high) & (x < edge.at_zero + edge.slope * y))
+                    })
+                });
+            }
+            Blocker::Ball { center, radius_squared } => {
+                let offset = from - *center;
+                for g in 0..groups(len) {
+                    for l in 0..LANES {
+                        let d = rays.ray(g, l);
+                        let nearest = (-offset.dot(d) / d.length_squared()).clamp(0.0, 1.0);
+                        let blocked = (offset + d * nearest).length_squared() < *radius_squared;
+                        contributions[g][l] = if blocked { 0.0 } else { contributions[g][l] };
+                    }
+                }
+            }
+            Blocker::Mesh(hierarchy) => {
+                for g in 0..groups(len) {
+                    for l in 0..LANES {
+                        // A ray that carries nothing (padding, too) need not be traced.
+                        if contributions[g][l] != 0.0 && hierarchy.blocks(from, from + rays.ray(g, l)) {
+                            contributions[g][l] = 0.0;
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Shades by a flat piece. The ray meets its plane at parameter h₀ / s, with h₀ the height of the shading point and s
+/// the drop along the ray; `inside` is asked about s times the meeting point (from the piece's origin) and s, so that
+/// no division is needed where a comparison will do.
+#[inline(always)]
+fn shade_flat(
+    offset: DVec3,
+    normal: DVec3,
+    rays: &ShadowRays,
+    len: usize,
+    contributions: &mut Row,
+    inside: impl Fn(DVec3, f64) -> bool,
+) {
+    let height = offset.dot(normal);
+    for g in 0..groups(len) {
+        for l in 0..LANES {
+            let d = rays.ray(g, l);
+            let drop = -d.dot(normal);
+            let crosses = height * (height - drop) < 0.0;
+            let blocked = crosses & inside(offset * drop + d * height, drop);
+            contributions[g][l] = if blocked { 0.0 } else { contributions[g][l] };
+        }
+    }
+}
+
+fn polygon(polygon: &Polygon) -> Blocker {
+    let anchor = polygon.vertices()[0];
+    let frame = Frame::around(polygon.normal());
+    let flat: Vec<[f64; 2]> = polygon
+        .vertices()
+        .iter()
+        .map(|v| [(*v - anchor).dot(frame.tangent), (*v - anchor).dot(frame.bitangent)])
+        .collect();
+    let edges = (0..flat.len())
+        .filter_map(|i| {
+            let (a, b) = (flat[i], flat[(i + 1) % flat.len()]);
+            let (a, b) = if a[1] < b[1] { (a, b) } else { (b, a) };
+            let slope = (b[0] - a[0]) / (b[1] - a[1]);
+            // A level edge spans no y and bounds nothing here.
+            (a[1] < b[1]).then(|| Edge { low: a[1], high: b[1], at_zero: a[0] - slope * a[1], slope })
+        })
+        .collect();
+    Blocker::Polygon { anchor, frame, edges }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Disk, Mesh, Rectangle, Sphere};
+    use crate::sampling::{Stream, StreamKey};
+    use rand::RngExt;
+
+    const REACH: (DVec3, DVec3) = (DVec3::splat(-3.0), DVec3::splat(3.0));
+
+    fn blocked(shape: &Shape, from: DVec3, to: DVec3) -> bool {
+        let d = to - from;
+        let rays = ShadowRays {
+            x: [[d.x; LANES]; BLOCK / LANES],
+            y: [[d.y; LANES]; BLOCK / LANES],
+            z: [[d.z; LANES]; BLOCK / LANES],
+        };
+        let mut contributions = [[1.0; LANES]; BLOCK / LANES];
+        Blocker::new(shape, REACH).shade(from, &rays, 1, &mut contributions);
+        contributions[0][0] == 0.0
+    }
+
+    #[test]
+    fn a_rectangle_a_polygon_and_a_mesh_of_it_block_the_same_rays() {
+        let rectangle =
+            Rectangle::new(DVec3::new(0.1, 0.2, 1.0), DVec3::new(1.0, 0.0, 0.5), DVec3::new(0.0, 0.8, 0.0)).unwrap();
+        let corners = rectangle.corners();
+        let shapes = [
+            Shape::Rectangle(rectangle),
+            Shape::Polygon(Polygon::new(corners.to_vec()).unwrap()),
+            Shape::Mesh(Mesh::new(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]]).unwrap().subdivided(2)),
+        ];
+        let mut draws = Stream::new(StreamKey::root(21));
+        let mut hits = 0;
+        for _ in 0..5_000 {
+            let mut point = |z: f64| DVec3::new(draws.random_range(-1.0..1.0), draws.random_range(-1.0..1.0), z);
+            let (from, to) = (point(0.0), point(2.0));
+            let answers = shapes.each_ref().map(|shape| blocked(shape, from, to));
+            assert!(answers[0] == answers[1] && answers[1] == answers[2], "{from} to {to}: {answers:?}");
+            hits += u32::from(answers[0]);
+        }
+        assert!((500..4_500).contains(&hits), "{hits}");
+    }
+
+    #[test]
+    fn a_many_sided_polygon_blocks_like_the_disk() {
+        let disk = Disk::new(DVec3::new(0.2, -0.1, 1.0), DVec3::new(0.2, 0.1, 1.0), 0.6).unwrap();
+        let frame = Frame::around(disk.normal());
+        let rim = (0..2000).map(|k| {
+            let (sin, cos) = (std::f64::consts::TAU * f64::from(k) / 2000.0).sin_cos();
+            disk.center() + (frame.tangent * cos + frame.bitangent * sin) * disk.radius()
+        });
+        let polygon = Shape::Polygon(Polygon::new(rim.collect()).unwrap());
+        let mut draws = Stream::new(StreamKey::root(22));
+        let mut differ = 0;
+        for _ in 0..2_000 {
+            let mut point = |z: f64| DVec3::new(draws.random_range(-1.0..1.0), draws.random_range(-1.0..1.0), z);
+            let (from, to) = (point(0.0), point(2.0));
+            differ += u32::from(blocked(&Shape::Disk(disk), from, to) != blocked(&polygon, from, to));
+        }
+        assert!(differ <= 1, "areas differ by 2e-6: {differ} rays of 2000");
+    }
+
+    #[test]
+    fn a_concave_outline_has_its_notch() {
+        let l = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
+        let l = Shape::Polygon(Polygon::new(l.iter().map(|p| DVec3::new(p[0], p[1], 1.0)).collect()).unwrap());
+        let up = |x: f64, y: f64| blocked(&l, DVec3::new(x, y, 0.0), DVec3::new(x, y, 2.0));
+        assert!(up(0.5, 1.5) && up(1.5, 0.5) && up(0.5, 0.5));
+        assert!(!up(1.5, 1.5) && !up(-0.1, 0.5) && !up(2.1, 0.5));
+    }
+
+    #[test]
+    fn a_ball_is_solid_and_ends_where_it_ends() {
+        let ball = Shape::Sphere(Sphere::new(DVec3::Z, 0.5).unwrap());
+        assert!(blocked(&ball, DVec3::ZERO, DVec3::Z * 2.0));
+        assert!(!blocked(&ball, DVec3::ZERO, DVec3::Z * 0.4));
+        assert!(!blocked(&ball, DVec3::Z * 1.6, DVec3::Z * 2.0));
+        assert!(blocked(&ball, DVec3::Z, DVec3::Z * 2.0), "from inside");
+        assert!(blocked(&ball, DVec3::Z * 0.9, DVec3::Z * 1.1), "wholly inside");
+    }
+
+    #[test]
+    fn a_piece_in_the_plane_of_the_shading_point_blocks_nothing() {
+        let disk = Shape::Disk(Disk::new(DVec3::X, DVec3::Z, 0.5).unwrap());
+        assert!(!blocked(&disk, DVec3::ZERO, DVec3::new(2.0, 0.0, 0.0)));
+        assert!(!blocked(&disk, DVec3::ZERO, DVec3::new(2.0, 0.0, 1.0)));
+    }
+}
