@@ -2,12 +2,16 @@
 
 pub mod budget;
 pub mod evidence;
+pub mod interval;
 pub mod moments;
 #[cfg(test)]
 mod simulated;
+pub mod slope;
 mod verdict;
 mod wide;
 
 pub use evidence::{Capital, Observed, Statement};
+pub use interval::Interval;
 pub use moments::{PowerSums, Summary};
+pub use slope::Line;
 pub use verdict::Verdict;

@@ -30,7 +30,7 @@ impl Capital {
     /// - `planned`: observations that the whole product of batches is to hold, fixed before they are made; the bets are
     ///   tuned to it. More or fewer keep the guarantee and lose some power.
     /// - infinite where the statement makes the observations impossible: a variance of zero and a value outside the
-    ///   interval, or values that are not numbers. A variance of zero is never divided by.
+    ///   interval, or values that are not numbers (or whose squares overflow). A variance of zero is never divided by.
     pub fn of(statement: &Statement, observed: &Observed, planned: u64) -> Capital {
         if observed.n == 0 || !statement.says_something() {
             return Capital::new();
@@ -120,7 +120,7 @@ impl Deviations {
     fn about(mean: f64, observed: &Observed) -> Deviations {
         let (n, h) = (observed.n as f64, mean - observed.pivot);
         let (s1, s2) = (observed.sum, observed.sum_of_squares);
-        let s1_error = SUM_ERROR * (n * s2).sqrt();
+        let s1_error = SUM_ERROR * n.sqrt() * s2.sqrt();
         let moved = 8.0 * f64::EPSILON * n * h.abs();
         Deviations {
             sum: s1 - n * h,
