@@ -1,5 +1,17 @@
 //! Moments, intervals, evidence and verdicts. Nothing here knows of light.
 
+pub mod budget;
+pub mod evidence;
+pub mod interval;
+pub mod moments;
+#[cfg(test)]
+mod simulated;
+pub mod slope;
 mod verdict;
+mod wide;
 
+pub use evidence::{Capital, Observed, Statement};
+pub use interval::Interval;
+pub use moments::{PowerSums, Summary};
+pub use slope::Line;
 pub use verdict::Verdict;

@@ -1,0 +1,3 @@
+//! Whole-path tests, one module for each subject.
+
+mod certified;
