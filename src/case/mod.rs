@@ -1,9 +1,52 @@
 //! Case files: what stands in the room and how it is to be studied.
+//!
+//! ```
+//! let case = etendue::case::Case::from_toml(
+//!     "disk-over-patch",
+//!     r#"
+//!     [[source.disk]]
+//!     center = [0.0, 0.0, 2.0]
+//!     normal = [0.0, 0.0, -1.0]
+//!     radius = 0.5
+//!     exitance = 1.0
+//!
+//!     [[measure.point]]
+//!     position = [0.0, 0.0, 0.0]
+//!     normal = [0.0, 0.0, 1.0]
+//!     "#,
+//! )?;
+//! assert_eq!(case.configuration.points().len(), 1);
+//! # Ok::<(), etendue::case::CaseErrors>(())
+//! ```
+//!
+//! [`select`] finds cases by file, folder or name; [`shipped`] lists those inside the program. [`schema`] holds every
+//! key with its unit, default and meaning. All mistakes of a file come together, as [`CaseErrors`].
 
+mod error;
+mod folder;
+mod measure;
+pub mod obj;
+mod place;
+mod read;
+mod render;
+pub mod schema;
+mod select;
+mod settings;
+mod shapes;
+mod shipped;
+mod spelling;
 mod study;
+mod walk;
+
+use std::path::Path;
 
 use crate::configuration::Configuration;
 
+pub use error::{CaseError, CaseErrors, MeshFileFault, Mistake};
+pub use place::Place;
+pub use render::Ink;
+pub use select::{SelectError, Unmatched, select};
+pub use shipped::{Shipped, shipped};
 pub use study::{Replicates, SmallestBias, Study};
 
 /// One case, valid by construction.
@@ -15,4 +58,23 @@ pub struct Case {
     pub title: String,
     pub configuration: Configuration,
     pub study: Study,
+}
+
+impl Case {
+    /// A case from text alone; it cannot name a mesh.
+    pub fn from_toml(name: &str, text: &str) -> Result<Case, CaseErrors> {
+        let file = read::CaseFile { path: name, name, folder: &folder::Folder::Nowhere, below: name };
+        read::read(&file, text.as_bytes())
+    }
+
+    /// A case file on disk, named by its stem. Meshes that it names lie in its folder or below.
+    pub fn read(path: &Path) -> Result<Case, CaseErrors> {
+        select::OnDisk::single(path).read()
+    }
+
+    /// All `*.toml` in a folder and below it, sorted by name. If any file is faulty, all faulty files are told.
+    pub fn read_folder(path: &Path) -> Result<Vec<Case>, Vec<CaseErrors>> {
+        let files = select::OnDisk::folder(path).map_err(|error| vec![error])?;
+        select::all_or_mistakes(files.iter().map(select::OnDisk::read))
+    }
 }

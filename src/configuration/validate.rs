@@ -24,9 +24,19 @@ pub enum ConfigurationError {
     #[error("there is nothing to measure; [measure] needs a line, a grid or at least one [[measure.point]]")]
     NothingToMeasure,
     #[error(
-        "measurement point {point} (counted from 0) lies exactly on {surface}: the irradiance there is undefined"
+        "measurement point {point}{others} lies exactly on {role} {index} (a {kind}); all counted from 0: the irradiance there is undefined",
+        others = if *others > 0 { format!(" (and {others} more)") } else { String::new() }
     )]
-    PointOnSurface { point: usize, surface: String },
+    PointOnSurface {
+        /// The first such point.
+        point: usize,
+        /// Further points on the same surface.
+        others: usize,
+        /// `source` or `occluder`.
+        role: &'static str,
+        index: usize,
+        kind: &'static str,
+    },
     #[error("the line's end `{end}` lies {distance:.3e} m off the receiver; a line runs on the receiver")]
     OffReceiver { end: &'static str, distance: f64 },
     #[error("the line's ends are opposite points of the sphere; no shorter arc joins them")]
@@ -46,11 +56,11 @@ pub(super) fn mistakes(configuration: &Configuration) -> Vec<ConfigurationError>
     let occluders = configuration.occluders.iter().enumerate().map(|(i, s)| ("occluder", i, s));
     for (role, index, shape) in sources.chain(occluders) {
         let probe = SurfaceProbe::new(shape);
-        for (point, at) in configuration.points.iter().enumerate() {
-            if probe.touches(at.position()) {
-                let surface = format!("{role} {index} (a {}, counted from 0)", shape.kind());
-                found.push(ConfigurationError::PointOnSurface { point, surface });
-            }
+        let points = configuration.points.iter().enumerate();
+        let mut touching = points.filter(|(_, at)| probe.touches(at.position())).map(|(point, _)| point);
+        if let Some(point) = touching.next() {
+            let others = touching.count();
+            found.push(ConfigurationError::PointOnSurface { point, others, role, index, kind: shape.kind() });
         }
     }
     found

@@ -1,0 +1,363 @@
+//! The keys of a case file: each name, unit, default and meaning stands here, once.
+//!
+//! The reader asks for keys by these constants, and messages list what is accepted from the same tables, so that the
+//! format, its documentation and its error messages cannot drift apart. [`ROOT`] is the whole tree; its `Display`
+//! prints it as text.
+
+use std::fmt;
+
+/// Largest case file, bytes.
+pub const MAX_CASE_BYTES: u64 = 16 << 20;
+/// Largest mesh file, bytes.
+pub const MAX_MESH_BYTES: u64 = 256 << 20;
+/// Most measurement points of one case.
+pub const MAX_POINTS: u64 = 1 << 24;
+/// Most triangles of one case, after `subdivide`.
+pub const MAX_TRIANGLES: u64 = 64_000_000;
+/// Most vertices of one polygon: each edge is compared with each other one.
+pub const MAX_POLYGON_VERTICES: u64 = 10_000;
+/// Deepest `subdivide`.
+pub const MAX_SUBDIVIDE: u64 = 8;
+/// Largest sample count and replicate count.
+pub const MAX_COUNT: u64 = 1 << 40;
+/// Largest magnitude of a length (metres), an exitance (W/m²) or any other number but a normal's component: its fourth
+/// power is still a number.
+pub const MAX_MAGNITUDE: f64 = 1e30;
+/// Smallest area of a shape, square metres: its square is still a number.
+pub const MIN_AREA: f64 = 1e-60;
+
+/// One table of the format.
+#[derive(Debug)]
+pub struct Table {
+    /// `source.disk`; empty for the top of the file.
+    pub path: &'static str,
+    /// All keys, those of later versions included.
+    pub keys: &'static [Key],
+}
+
+/// One key of the format.
+#[derive(Clone, Copy, Debug)]
+pub struct Key {
+    pub name: &'static str,
+    pub value: Value,
+    /// `m`, `W/m²`, or empty for a pure number or a name.
+    pub unit: &'static str,
+    pub need: Need,
+    pub meaning: &'static str,
+}
+
+/// What a key holds.
+#[derive(Clone, Copy, Debug)]
+pub enum Value {
+    Number,
+    /// A number; in later versions also a table that describes a field over the surface.
+    Field,
+    /// A number that is an integer, zero or greater.
+    Count,
+    Counts,
+    Text,
+    Texts,
+    /// Three numbers.
+    Vector,
+    Vectors,
+    /// `"auto"` or a count.
+    AutoOrCount,
+    /// `[nu, nv]`.
+    CountPair,
+    /// One table.
+    Table(&'static Table),
+    /// One table, or an array of them.
+    Tables(&'static Table),
+}
+
+/// Whether a key may be left out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Need {
+    Required,
+    /// May be left out; what holds then.
+    Default(&'static str),
+    /// Part of the format, but not of this version.
+    Later,
+}
+
+impl Table {
+    /// Names that this version accepts, in the order of the format.
+    pub fn accepted(&self) -> impl Iterator<Item = &'static str> {
+        self.keys.iter().filter(|key| key.need != Need::Later).map(|key| key.name)
+    }
+    /// The key of that name, those of later versions included.
+    pub fn key(&self, name: &str) -> Option<&'static Key> {
+        self.keys.iter().find(|key| key.name == name)
+    }
+    /// `[source.disk]`, or `the file` for its top.
+    pub fn title(&self) -> String {
+        if self.path.is_empty() { "the top of the file".into() } else { format!("[{}]", self.path) }
+    }
+    /// The full name of a key in this table: `source.disk.radius`.
+    pub fn full_name(&self, key: &str) -> String {
+        if self.path.is_empty() { key.into() } else { format!("{}.{key}", self.path) }
+    }
+}
+
+impl Value {
+    /// What is accepted, in words: `a number`.
+    pub fn expected(&self) -> &'static str {
+        match self {
+            Value::Number | Value::Field => "a number",
+            Value::Count => "an integer",
+            Value::Counts => "an array of integers",
+            Value::Text => "a string",
+            Value::Texts => "an array of strings",
+            Value::Vector => "an array of three numbers",
+            Value::Vectors => "an array of points, each an array of three numbers",
+            Value::AutoOrCount => "\"auto\" or an integer",
+            Value::CountPair => "an array of two integers",
+            Value::Table(_) => "a table",
+            Value::Tables(_) => "a table or an array of tables",
+        }
+    }
+    fn table(&self) -> Option<&'static Table> {
+        match self {
+            Value::Table(table) | Value::Tables(table) => Some(table),
+            _ => None,
+        }
+    }
+}
+
+impl fmt::Display for Table {
+    /// A line a key, tables below one another.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if !self.path.is_empty() {
+            writeln!(f, "[{}]", self.path)?;
+        }
+        for key in self.keys {
+            let unit = if key.unit.is_empty() { String::new() } else { format!(", {}", key.unit) };
+            let need = match key.need {
+                Need::Required => "required".to_string(),
+                Need::Default(default) => format!("default: {default}"),
+                Need::Later => "not supported by this version yet".to_string(),
+            };
+            writeln!(f, "  {:<13} {}{unit}; {need}. {}", key.name, key.value.expected(), key.meaning)?;
+        }
+        self.keys.iter().filter(|key| key.need != Need::Later).filter_map(|key| key.value.table()).try_for_each(
+            |table| {
+                writeln!(f)?;
+                table.fmt(f)
+            },
+        )
+    }
+}
+
+const fn key(name: &'static str, value: Value, unit: &'static str, need: Need, meaning: &'static str) -> Key {
+    Key { name, value, unit, need, meaning }
+}
+const fn later(name: &'static str, meaning: &'static str) -> Key {
+    key(name, Value::Tables(&LATER), "", Need::Later, meaning)
+}
+const NONE: Need = Need::Default("none");
+
+/// Stands for the tables of later versions, whose keys are not written down yet.
+const LATER: Table = Table { path: "", keys: &[] };
+
+pub const TITLE: Key = key("title", Value::Text, "", Need::Default("the case's name"), "What people read.");
+pub const SOURCE: Key = key(
+    "source",
+    Value::Table(&SOURCES),
+    "",
+    Need::Required,
+    "What emits: at least one shape; they block one another.",
+);
+pub const OCCLUDER: Key =
+    key("occluder", Value::Table(&OCCLUDERS), "", NONE, "What blocks light, from both sides; spheres are solid.");
+pub const RECEIVER: Key = key(
+    "receiver",
+    Value::Table(&RECEIVERS),
+    "",
+    NONE,
+    "Where light arrives; a line or a grid needs it. Blocks nothing.",
+);
+pub const MEASURE: Key = key("measure", Value::Table(&MEASURES), "", Need::Required, "Where to look.");
+pub const STUDY: Key =
+    key("study", Value::Table(&STUDIES), "", Need::Default("all defaults"), "How to study the case.");
+
+/// The top of a case file.
+pub const ROOT: Table = Table {
+    path: "",
+    keys: &[
+        TITLE,
+        SOURCE,
+        OCCLUDER,
+        RECEIVER,
+        MEASURE,
+        STUDY,
+        later("mirror", "Mirrors."),
+        later("glass", "Glass."),
+        later("diffuse", "Further diffuse surfaces."),
+    ],
+};
+
+pub const CENTER: Key = key("center", Value::Vector, "m", Need::Required, "Centre.");
+pub const NORMAL: Key =
+    key("normal", Value::Vector, "", Need::Required, "Towards the lit or receiving side; any length but zero.");
+pub const RADIUS: Key = key("radius", Value::Number, "m", Need::Required, "Greater than zero.");
+pub const EDGE_U: Key =
+    key("edge_u", Value::Vector, "m", Need::Required, "Full edge; the lit or receiving side is edge_u × edge_v.");
+pub const EDGE_V: Key = key("edge_v", Value::Vector, "m", Need::Required, "Full edge, perpendicular to edge_u.");
+pub const VERTICES: Key = key(
+    "vertices",
+    Value::Vectors,
+    "m",
+    Need::Required,
+    "In one plane, convex or not, counter-clockwise seen from the lit or receiving side.",
+);
+pub const EXITANCE: Key =
+    key("exitance", Value::Field, "W/m²", Need::Required, "Power sent out per area, Lambertian; zero or greater.");
+pub const FILE: Key = key(
+    "file",
+    Value::Text,
+    "",
+    Need::Required,
+    "Triangles as Wavefront OBJ; a path relative to the case file, inside the folder of the cases.",
+);
+pub const SUBDIVIDE: Key = key(
+    "subdivide",
+    Value::Count,
+    "",
+    Need::Default("0"),
+    "Split every triangle in four, this many times (0 to 8); the shape stays the same.",
+);
+
+/// Names of shapes.
+pub const DISK: &str = "disk";
+pub const RECTANGLE: &str = "rectangle";
+pub const POLYGON: &str = "polygon";
+pub const TRIANGLE: &str = "triangle";
+pub const SPHERE: &str = "sphere";
+pub const MESH: &str = "mesh";
+
+/// The shapes that can emit.
+pub const SOURCES: Table = Table {
+    path: "source",
+    keys: &[
+        key(DISK, Value::Tables(&SOURCE_DISK), "", NONE, "Flat disk."),
+        key(RECTANGLE, Value::Tables(&SOURCE_RECTANGLE), "", NONE, "Flat rectangle."),
+        key(POLYGON, Value::Tables(&SOURCE_POLYGON), "", NONE, "Flat polygon."),
+        key(SPHERE, Value::Tables(&SOURCE_SPHERE), "", NONE, "Sphere, emitting outwards."),
+        later(MESH, "Triangles."),
+        later("point", "A point that emits equally in all directions."),
+        later("beam", "Parallel light."),
+    ],
+};
+pub const SOURCE_DISK: Table = Table { path: "source.disk", keys: &[CENTER, NORMAL, RADIUS, EXITANCE] };
+pub const SOURCE_RECTANGLE: Table = Table { path: "source.rectangle", keys: &[CENTER, EDGE_U, EDGE_V, EXITANCE] };
+pub const SOURCE_POLYGON: Table = Table { path: "source.polygon", keys: &[VERTICES, EXITANCE] };
+pub const SOURCE_SPHERE: Table = Table { path: "source.sphere", keys: &[CENTER, RADIUS, EXITANCE] };
+
+/// The shapes that can block.
+pub const OCCLUDERS: Table = Table {
+    path: "occluder",
+    keys: &[
+        key(DISK, Value::Tables(&OCCLUDER_DISK), "", NONE, "Flat disk."),
+        key(RECTANGLE, Value::Tables(&OCCLUDER_RECTANGLE), "", NONE, "Flat rectangle."),
+        key(POLYGON, Value::Tables(&OCCLUDER_POLYGON), "", NONE, "Flat polygon."),
+        key(SPHERE, Value::Tables(&OCCLUDER_SPHERE), "", NONE, "Solid ball."),
+        key(MESH, Value::Tables(&OCCLUDER_MESH), "", NONE, "Triangles."),
+    ],
+};
+pub const OCCLUDER_DISK: Table = Table { path: "occluder.disk", keys: &[CENTER, NORMAL, RADIUS] };
+pub const OCCLUDER_RECTANGLE: Table = Table { path: "occluder.rectangle", keys: &[CENTER, EDGE_U, EDGE_V] };
+pub const OCCLUDER_POLYGON: Table = Table { path: "occluder.polygon", keys: &[VERTICES] };
+pub const OCCLUDER_SPHERE: Table = Table { path: "occluder.sphere", keys: &[CENTER, RADIUS] };
+pub const OCCLUDER_MESH: Table = Table { path: "occluder.mesh", keys: &[FILE, SUBDIVIDE] };
+
+pub const ALBEDO: Key = key(
+    "albedo",
+    Value::Field,
+    "",
+    Need::Default("none (no radiosity)"),
+    "Share of the arriving power that is sent back, from 0 to 1.",
+);
+
+/// The shapes that can receive: one of them.
+pub const RECEIVERS: Table = Table {
+    path: "receiver",
+    keys: &[
+        ALBEDO,
+        key(RECTANGLE, Value::Table(&RECEIVER_RECTANGLE), "", NONE, "Flat rectangle."),
+        key(DISK, Value::Table(&RECEIVER_DISK), "", NONE, "Flat disk."),
+        key(TRIANGLE, Value::Table(&RECEIVER_TRIANGLE), "", NONE, "Flat triangle: three vertices."),
+        key(SPHERE, Value::Table(&RECEIVER_SPHERE), "", NONE, "Sphere, receiving on its outside."),
+    ],
+};
+pub const RECEIVER_RECTANGLE: Table = Table { path: "receiver.rectangle", keys: &[CENTER, EDGE_U, EDGE_V] };
+pub const RECEIVER_DISK: Table = Table { path: "receiver.disk", keys: &[CENTER, NORMAL, RADIUS] };
+pub const RECEIVER_TRIANGLE: Table = Table { path: "receiver.triangle", keys: &[VERTICES] };
+pub const RECEIVER_SPHERE: Table = Table { path: "receiver.sphere", keys: &[CENTER, RADIUS] };
+
+pub const LINE: Key =
+    key("line", Value::Table(&MEASURE_LINE), "", NONE, "Points along a line (an arc, on a sphere).");
+pub const GRID: Key =
+    key("grid", Value::CountPair, "", NONE, "Centres of nu × nv cells of equal area of the receiver.");
+pub const POINT: Key =
+    key("point", Value::Tables(&MEASURE_POINT), "", NONE, "Points of any pose; no receiver is needed.");
+
+/// Where to look: any of line, grid and points, measured in that order.
+pub const MEASURES: Table = Table { path: "measure", keys: &[LINE, GRID, POINT] };
+
+pub const FROM: Key = key("from", Value::Vector, "m", Need::Required, "First point, on the receiver.");
+pub const TO: Key = key("to", Value::Vector, "m", Need::Required, "Last point, on the receiver.");
+pub const POINTS: Key = key("points", Value::Count, "", Need::Required, "How many, ends included; at least 2.");
+pub const MEASURE_LINE: Table = Table { path: "measure.line", keys: &[FROM, TO, POINTS] };
+
+pub const POSITION: Key = key("position", Value::Vector, "m", Need::Required, "Where.");
+pub const MEASURE_POINT: Table = Table { path: "measure.point", keys: &[POSITION, NORMAL] };
+
+pub const STRATEGIES: Key = key(
+    "strategies",
+    Value::Texts,
+    "",
+    Need::Default("[\"random\", \"correlated\", \"stratified\"]"),
+    "Ways of choosing points on the sources.",
+);
+pub const SAMPLES: Key = key(
+    "samples",
+    Value::Counts,
+    "",
+    Need::Default("[1, 4, 16, 64, 256, 1024]"),
+    "Points on each source, per shading point, per replicate.",
+);
+pub const REPLICATES: Key = key(
+    "replicates",
+    Value::AutoOrCount,
+    "",
+    Need::Default("\"auto\""),
+    "Independent repeats: at least 2, or as many as smallest_bias needs.",
+);
+pub const SMALLEST_BIAS: Key = key(
+    "smallest_bias",
+    Value::Table(&BIAS),
+    "",
+    Need::Default("{ mean = 1e-2, point = 1e-1 }"),
+    "What a pass must have been able to see.",
+);
+pub const TOLERANCE: Key = key(
+    "tolerance",
+    Value::Number,
+    "",
+    Need::Default("0.0"),
+    "Relative; a deviation up to this is no fault. From 0 to below 1.",
+);
+
+/// How to study the case.
+pub const STUDIES: Table =
+    Table { path: "study", keys: &[STRATEGIES, SAMPLES, REPLICATES, SMALLEST_BIAS, TOLERANCE] };
+
+pub const MEAN: Key = key("mean", Value::Number, "", Need::Default("1e-2"), "Relative, of the mean over the points.");
+pub const AT_POINT: Key = key(
+    "point",
+    Value::Number,
+    "",
+    Need::Default("1e-1"),
+    "Relative, at each point that a tenth of the light reaches.",
+);
+pub const BIAS: Table = Table { path: "study.smallest_bias", keys: &[MEAN, AT_POINT] };

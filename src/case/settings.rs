@@ -1,0 +1,76 @@
+//! Reading how a case is to be studied.
+
+use toml::de::DeValue;
+
+use super::error::CaseError;
+use super::schema::{self, Key, MAX_COUNT};
+use super::study::{Replicates, SmallestBias, Study};
+use super::walk::{Log, Node};
+use crate::sampling::Strategy;
+
+/// The word for "as many as the smallest bias needs".
+const AUTO: &str = "auto";
+
+/// Whatever is not said, or said wrongly, is the default.
+pub(super) fn study(node: &Node, log: &mut Log) -> Study {
+    let default = Study::default();
+    let names = Strategy::ALL.map(Strategy::name);
+    let strategies = node.list(&schema::STRATEGIES, log, |node, value, log| {
+        node.name_among(&schema::STRATEGIES, value, &names, log).and_then(Strategy::from_name)
+    });
+    let samples = node
+        .list(&schema::SAMPLES, log, |node, value, log| node.count_of(&schema::SAMPLES, value, 1, MAX_COUNT, log));
+    let samples = samples.map(|mut samples| {
+        samples.sort_unstable();
+        samples
+    });
+    Study {
+        strategies: strategies.unwrap_or(default.strategies),
+        samples: samples.unwrap_or(default.samples),
+        replicates: replicates(node, log).unwrap_or(default.replicates),
+        smallest_bias: smallest_bias(node, default.smallest_bias, log),
+        tolerance: tolerance(node, log).unwrap_or(default.tolerance),
+    }
+}
+
+fn replicates(node: &Node, log: &mut Log) -> Option<Replicates> {
+    let key = &schema::REPLICATES;
+    let value = node.raw(key)?;
+    match value.get_ref() {
+        DeValue::String(_) => node.name_among(key, value, &[AUTO], log).map(|_| Replicates::Auto),
+        _ => node.count_of(key, value, 2, MAX_COUNT, log).map(Replicates::Fixed),
+    }
+}
+
+fn smallest_bias(node: &Node, default: SmallestBias, log: &mut Log) -> SmallestBias {
+    let Some(table) = node.table(&schema::SMALLEST_BIAS, &schema::BIAS, log) else { return default };
+    let relative = |key: &Key, log: &mut Log| {
+        let accepted = "a relative bias is greater than 0 and less than 1";
+        number_within(&table, key, |said| said > 0.0 && said < 1.0, accepted, log)
+    };
+    SmallestBias {
+        mean: relative(&schema::MEAN, log).unwrap_or(default.mean),
+        point: relative(&schema::AT_POINT, log).unwrap_or(default.point),
+    }
+}
+
+fn tolerance(node: &Node, log: &mut Log) -> Option<f64> {
+    let accepted = "a tolerance is relative: 0 or greater, and less than 1";
+    number_within(node, &schema::TOLERANCE, |said| (0.0..1.0).contains(&said), accepted, log)
+}
+
+fn number_within(
+    node: &Node,
+    key: &Key,
+    within: impl Fn(f64) -> bool,
+    accepted: &'static str,
+    log: &mut Log,
+) -> Option<f64> {
+    let said = node.number(key, log)?;
+    if within(said) {
+        return Some(said);
+    }
+    let error = CaseError::Number { key: node.schema.full_name(key.name), said, accepted };
+    log.add(node.span_of(key.name), error);
+    None
+}

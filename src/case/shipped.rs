@@ -1,0 +1,71 @@
+//! The cases that are part of the program, so that an installed `etendue` works anywhere.
+
+use super::folder::Folder;
+use super::read::{CaseFile, read};
+use super::{Case, CaseErrors};
+
+macro_rules! embedded {
+    ($($path:literal,)*) => { &[$(($path, include_bytes!(concat!("../../cases/", $path)))),*] };
+}
+
+/// Every file below `cases/`, sorted by path; a test compares the list with the folder.
+static FILES: &[(&str, &[u8])] = embedded![];
+
+/// A case that is part of the program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shipped {
+    path: &'static str,
+    text: &'static str,
+}
+
+impl Shipped {
+    /// `penumbra/eclipse`.
+    pub fn name(&self) -> &'static str {
+        self.path.strip_suffix(".toml").unwrap_or(self.path)
+    }
+    /// The case file, comments included.
+    pub fn text(&self) -> &'static str {
+        self.text
+    }
+    /// The case, valid as all shipped ones are (a test reads them).
+    pub fn read(&self) -> Result<Case, CaseErrors> {
+        let shown = format!("shipped:{}", self.path);
+        let folder = Folder::Shipped(FILES);
+        read(&CaseFile { path: &shown, name: self.name(), folder: &folder, below: self.path }, self.text.as_bytes())
+    }
+}
+
+/// All shipped cases, sorted by name.
+pub fn shipped() -> impl Iterator<Item = Shipped> {
+    FILES.iter().filter(|(path, _)| path.ends_with(".toml")).map(|(path, bytes)| Shipped {
+        path,
+        text: std::str::from_utf8(bytes).expect("the shipped cases are text; a test reads them"),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    fn files_below(folder: &Path, found: &mut Vec<String>) {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                files_below(&path, found);
+            } else {
+                let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("cases");
+                let below = path.strip_prefix(root).unwrap();
+                found.push(below.to_str().unwrap().replace('\\', "/"));
+            }
+        }
+    }
+
+    #[test]
+    fn every_file_below_cases_is_part_of_the_program() {
+        let mut found = Vec::new();
+        files_below(&Path::new(env!("CARGO_MANIFEST_DIR")).join("cases"), &mut found);
+        found.sort();
+        assert_eq!(FILES.iter().map(|(path, _)| *path).collect::<Vec<_>>(), found);
+    }
+}
