@@ -9,6 +9,7 @@ pub mod configuration;
 pub mod geometry;
 pub mod oracle;
 pub mod radiometry;
+pub mod report;
 pub mod sampling;
 pub mod statistics;
 pub mod trial;
