@@ -119,7 +119,11 @@ mod tests {
     fn numbers_survive_the_round_trip() {
         for x in [0.1, 1.0 / 3.0, 5e-324, f64::MAX, -1e-5, 1e16, 123_456_789.0] {
             for field in [Field::Number(x), Field::Digits17(x)] {
-                assert_eq!(field.clone().written().unwrap().parse::<f64>().unwrap().to_bits(), x.to_bits(), "{field:?}");
+                assert_eq!(
+                    field.clone().written().unwrap().parse::<f64>().unwrap().to_bits(),
+                    x.to_bits(),
+                    "{field:?}"
+                );
             }
         }
         assert_eq!(Field::Number(-0.0).written().unwrap(), "0.0");

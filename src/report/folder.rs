@@ -67,7 +67,9 @@ fn is_ours(name: &str) -> bool {
 
 fn remove(path: &Path) -> Result<(), ReportError> {
     match fs::remove_file(path) {
-        Err(source) if source.kind() != ErrorKind::NotFound => Err(ReportError::File { path: path.to_owned(), source }),
+        Err(source) if source.kind() != ErrorKind::NotFound => {
+            Err(ReportError::File { path: path.to_owned(), source })
+        }
         _ => Ok(()),
     }
 }

@@ -60,16 +60,23 @@ pub(super) fn convergence<'a>() -> Table<ConvergenceRow<'a>> {
                 .case
                 .name
                 .as_str()),
-            column!("strategy", "", "how points on the sources were chosen: `random`, `correlated`, `stratified`", |r| r
-                .strategy
-                .strategy
-                .name()),
+            column!(
+                "strategy",
+                "",
+                "how points on the sources were chosen: `random`, `correlated`, `stratified`",
+                |r| r.strategy.strategy.name()
+            ),
             column!("point", "", "which measurement point, from 0, in the case's order", |r| r.point),
             column!("x_m", "m", "where the point is", |r| r.case.points[r.point].position().x),
             column!("y_m", "m", "where the point is", |r| r.case.points[r.point].position().y),
             column!("z_m", "m", "where the point is", |r| r.case.points[r.point].position().z),
-            column!("region", "", "`lit` (sees every source wholly), `penumbra`, `umbra`, `below_horizon`, or `edge` where \
-                the exact side cannot tell within its bound", |r| r.truth.region.name()),
+            column!(
+                "region",
+                "",
+                "`lit` (sees every source wholly), `penumbra`, `umbra`, `below_horizon`, or `edge` where \
+                the exact side cannot tell within its bound",
+                |r| r.truth.region.name()
+            ),
             column!("samples", "", "points on each source that one estimate uses, N", |r| r.cell.samples),
             column!("replicates", "", "independent estimates that were made", |r| r.cell.replicates),
             column!("exact_irradiance_W_m2", "W/m²", "the exact value", |r| r
@@ -80,16 +87,30 @@ pub(super) fn convergence<'a>() -> Table<ConvergenceRow<'a>> {
                 .truth
                 .bound
                 .watts_per_square_metre()),
-            column!("mean_irradiance_W_m2", "W/m²", "mean of the estimates over the replicates", |r| r.measured.mean),
+            column!("mean_irradiance_W_m2", "W/m²", "mean of the estimates over the replicates", |r| r
+                .measured
+                .mean),
             column!("bias_W_m2", "W/m²", "that mean less the exact value", |r| r.measured.bias),
             column!("bias_std_error_W_m2", "W/m²", "standard error of the bias", |r| r.measured.bias_std_error),
-            column!("variance_W2_m4", "W²/m⁴", "variance of one estimate, over the replicates (divisor n − 1)", |r| r
+            column!(
+                "variance_W2_m4",
+                "W²/m⁴",
+                "variance of one estimate, over the replicates (divisor n − 1)",
+                |r| r.measured.variance
+            ),
+            column!("variance_low", "W²/m⁴", "lower end of the variance's 95 % interval", |r| r
                 .measured
-                .variance),
-            column!("variance_low", "W²/m⁴", "lower end of the variance's 95 % interval", |r| r.measured.variance_low),
-            column!("variance_high", "W²/m⁴", "upper end of the variance's 95 % interval", |r| r.measured.variance_high),
-            column!("predicted_variance_W2_m4", "W²/m⁴", "variance of one estimate as the exact side predicts it; empty \
-                where it is not predicted", |r| r.measured.predicted_variance),
+                .variance_low),
+            column!("variance_high", "W²/m⁴", "upper end of the variance's 95 % interval", |r| r
+                .measured
+                .variance_high),
+            column!(
+                "predicted_variance_W2_m4",
+                "W²/m⁴",
+                "variance of one estimate as the exact side predicts it; empty \
+                where it is not predicted",
+                |r| r.measured.predicted_variance
+            ),
             column!("mse_W2_m4", "W²/m⁴", "mean squared error of one estimate against the exact value", |r| r
                 .measured
                 .mse),
@@ -109,7 +130,9 @@ pub(super) fn rates<'a>() -> Table<Of<'a, Rate>> {
         columns: vec![
             column!("case", "", "the case's name", |r| r.case.name.as_str()),
             column!("strategy", "", "the strategy's name", |r| r.strategy.strategy.name()),
-            column!("quantity", "", "what falls: `variance` (the mean over the region's points)", |r| r.item.quantity),
+            column!("quantity", "", "what falls: `variance` (the mean over the region's points)", |r| r
+                .item
+                .quantity),
             column!("region", "", "which points: `all` that light reaches, or those of one region", |r| r
                 .item
                 .region
@@ -117,12 +140,18 @@ pub(super) fn rates<'a>() -> Table<Of<'a, Rate>> {
             column!("slope", "", "of log quantity over log N, fitted", |r| r.item.slope),
             column!("slope_low", "", "lower end of the slope's 95 % interval", |r| r.item.slope_low),
             column!("slope_high", "", "upper end of the slope's 95 % interval", |r| r.item.slope_high),
-            column!("expected_slope", "", "the asymptote that theory gives; a finite range of N need not have reached it",
-                |r| r.item.expected_slope),
-            column!("verdict", "", "`pass`, `fail`, `undecided`, or `not_judged` where the slope is only shown", |r| r
-                .item
-                .verdict
-                .map_or("not_judged", |verdict| verdict.name())),
+            column!(
+                "expected_slope",
+                "",
+                "the asymptote that theory gives; a finite range of N need not have reached it",
+                |r| r.item.expected_slope
+            ),
+            column!(
+                "verdict",
+                "",
+                "`pass`, `fail`, `undecided`, or `not_judged` where the slope is only shown",
+                |r| r.item.verdict.map_or("not_judged", |verdict| verdict.name())
+            ),
         ],
     }
 }
@@ -146,8 +175,12 @@ pub(super) fn correlation<'a>() -> Table<Of<'a, Correlation>> {
                 .correlation),
             column!("low", "", "lower end of the correlation's 95 % interval", |r| r.item.low),
             column!("high", "", "upper end of the correlation's 95 % interval", |r| r.item.high),
-            column!("predicted", "", "the correlation as the exact side predicts it; empty where it is not predicted",
-                |r| r.item.predicted),
+            column!(
+                "predicted",
+                "",
+                "the correlation as the exact side predicts it; empty where it is not predicted",
+                |r| r.item.predicted
+            ),
         ],
     }
 }
@@ -166,18 +199,32 @@ pub(super) fn verdicts<'a>() -> Table<Of<'a, JudgedProperty>> {
             column!("strategy", "", "the strategy's name", |r| r.strategy.strategy.name()),
             column!("property", "", "what was judged: `bias`", |r| r.item.property),
             column!("verdict", "", "`pass`, `fail` or `undecided`", |r| r.item.verdict.name()),
-            column!("evidence", "", "log10 of the test's capital; a correct estimator reaches x with probability at most \
-                10⁻ˣ", |r| r.item.evidence),
+            column!(
+                "evidence",
+                "",
+                "log10 of the test's capital; a correct estimator reaches x with probability at most \
+                10⁻ˣ",
+                |r| r.item.evidence
+            ),
             column!("threshold", "", "log10 of the capital at which a verdict fails", |r| r.item.threshold),
             column!("effect", "", "relative deviation, of the mean over the points or of what failed worst", |r| r
                 .item
                 .effect),
             column!("effect_low", "", "lower end of the effect's 95 % interval", |r| r.item.effect_low),
             column!("effect_high", "", "upper end of the effect's 95 % interval", |r| r.item.effect_high),
-            column!("smallest_bias_mean", "", "relative bias of the mean over the points that would have been caught with \
-                99 % probability; empty where no light is due", |r| r.item.smallest_bias_mean),
-            column!("smallest_bias_point", "", "the same at the worst point that a tenth or more of the light reaches",
-                |r| r.item.smallest_bias_point),
+            column!(
+                "smallest_bias_mean",
+                "",
+                "relative bias of the mean over the points that would have been caught with \
+                99 % probability; empty where no light is due",
+                |r| r.item.smallest_bias_mean
+            ),
+            column!(
+                "smallest_bias_point",
+                "",
+                "the same at the worst point that a tenth or more of the light reaches",
+                |r| r.item.smallest_bias_point
+            ),
             column!("reproduce", "", "the command line that gives the same verdict", |r| r.item.reproduce.as_str()),
         ],
     }
@@ -216,8 +263,13 @@ pub(super) fn timings<'a>() -> Table<TimingRow<'a>> {
             column!("per_ray_ns", "ns", "processor time for one of them; empty where none was made", |r| {
                 (r.timing.rays > 0).then(|| r.timing.seconds * 1e9 / r.timing.rays as f64)
             }),
-            column!("efficiency", "m⁴/(W² s)", "1 / (variance × time) of one estimate at the largest N; empty where nothing \
-                is estimated", |r| r.timing.efficiency),
+            column!(
+                "efficiency",
+                "m⁴/(W² s)",
+                "1 / (variance × time) of one estimate at the largest N; empty where nothing \
+                is estimated",
+                |r| r.timing.efficiency
+            ),
         ],
     }
 }

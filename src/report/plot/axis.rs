@@ -7,7 +7,9 @@ enum Scale {
     /// Of values > 0.
     Log,
     /// Linear around zero up to about the given value, logarithmic beyond, both signs.
-    SymmetricLog { linear_to: f64 },
+    SymmetricLog {
+        linear_to: f64,
+    },
 }
 
 #[derive(Clone, Debug)]
@@ -22,7 +24,8 @@ pub struct Axis {
 impl Axis {
     /// From `low` to `high`, both ends widened to pleasant values if `round`.
     pub fn linear(low: f64, high: f64, round: bool, about: usize) -> Axis {
-        let (low, high) = if high > low { (low, high) } else { (low - 0.5 * scale_of(low), low + 0.5 * scale_of(low)) };
+        let (low, high) =
+            if high > low { (low, high) } else { (low - 0.5 * scale_of(low), low + 0.5 * scale_of(low)) };
         let step = pleasant_step((high - low) / about as f64);
         let (low, high) =
             if round { ((low / step).floor() * step, (high / step).ceil() * step) } else { (low, high) };
@@ -61,7 +64,7 @@ impl Axis {
         let mut free = f64::NEG_INFINITY;
         for &count in counts {
             let text = count.to_string();
-            let half = 0.5 * super::ink::text_width(&text, super::style::SMALL) + 3.0;
+            let half = 0.5 * super::text::text_width(&text, super::style::SMALL, false) + 3.0;
             let at = axis.share(count as f64) * length;
             let label = if at - half >= free { text } else { String::new() };
             if !label.is_empty() {

@@ -13,7 +13,8 @@ pub const NORMAL_95: f64 = 1.96;
 pub fn bias(case: &CaseOutcome) -> Option<Page> {
     let exact: f64 = case.truths.iter().map(|t| t.irradiance.watts_per_square_metre()).sum();
     let mean = exact / case.truths.len().max(1) as f64;
-    let (unit, name) = if mean > 0.0 { (mean, "relative bias of the mean") } else { (1.0, "bias of the mean (W/m²)") };
+    let (unit, name) =
+        if mean > 0.0 { (mean, "relative bias of the mean") } else { (1.0, "bias of the mean (W/m²)") };
     let cells = || case.strategies.iter().flat_map(|s| &s.cells);
     let reach = |bias: f64, error: f64| (bias.abs() + NORMAL_95 * error) / unit;
     let largest = cells().map(|c| reach(c.mean_bias, c.mean_bias_std_error)).fold(0.0, f64::max);
@@ -27,9 +28,14 @@ pub fn bias(case: &CaseOutcome) -> Option<Page> {
         judged.smallest_bias_mean.filter(|b| mean > 0.0 && *b > 0.0)
     };
     let largest = case.strategies.iter().filter_map(seen).fold(largest, f64::max);
-    let counts: Vec<u64> = cells().map(|c| c.samples).collect::<std::collections::BTreeSet<_>>().into_iter().collect();
+    let counts: Vec<u64> =
+        cells().map(|c| c.samples).collect::<std::collections::BTreeSet<_>>().into_iter().collect();
 
-    let shows = format!("{}: bias of the mean over {} points, at each number of points on each source", case.name, case.points.len());
+    let shows = format!(
+        "{}: bias of the mean over {} points, at each number of points on each source",
+        case.name,
+        case.points.len()
+    );
     let mut page = titled_page(&case.title, &shows);
     let panel = Panel {
         left: 104.0,
@@ -59,7 +65,7 @@ pub fn bias(case: &CaseOutcome) -> Option<Page> {
                 let ends = [(panel.x.low(), side), (panel.x.high(), side)];
                 panel.curve(&mut page, ends, look.colour, 0.8, look.dash);
             }
-            text = format!("{text}: sees ±{} %", two_digits(100.0 * smallest));
+            text = format!("{text}: would catch ±{} %", two_digits(100.0 * smallest));
         }
         legend.push((Key::Bar { colour: look.colour, marker: look.marker }, text));
     }

@@ -23,8 +23,19 @@ enum Ink {
     Line { through: Vec<At>, colour: Colour, width: f64 },
     Area { outline: Vec<At>, colour: Colour, opacity: f64 },
     Marker { at: At, marker: Marker, colour: Colour, size: f64 },
-    /// `at` is the middle of the line's height; `upwards` turns it by a quarter to the left.
-    Text { at: At, text: String, size: f64, bold: bool, colour: Colour, align: Align, upwards: bool },
+    Text(Words),
+}
+
+/// A line of text. `at` is the middle of its height; `upwards` turns it by a quarter to the left.
+#[derive(Clone, Debug)]
+pub struct Words {
+    pub at: At,
+    pub text: String,
+    pub size: f64,
+    pub bold: bool,
+    pub colour: Colour,
+    pub align: Align,
+    pub upwards: bool,
 }
 
 /// A page and what has been drawn on it so far.
@@ -68,15 +79,29 @@ impl Page {
         self.push_text(at, text.into(), size, false, colour, align, true);
     }
     #[allow(clippy::too_many_arguments)]
-    fn push_text(&mut self, at: At, text: String, size: f64, bold: bool, colour: Colour, align: Align, upwards: bool) {
+    fn push_text(
+        &mut self,
+        at: At,
+        text: String,
+        size: f64,
+        bold: bool,
+        colour: Colour,
+        align: Align,
+        upwards: bool,
+    ) {
         // Control characters have no shape, and an SVG may not hold them.
         let text = text.chars().filter(|c| !c.is_control()).collect();
-        self.inks.push(Ink::Text { at, text, size, bold, colour, align, upwards });
+        self.inks.push(Ink::Text(Words { at, text, size, bold, colour, align, upwards }));
     }
 
-    /// Draws the page with `scale` device units a point.
-    pub fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>, scale: f64) -> Result<(), String>
+    pub fn texts(&self) -> impl Iterator<Item = &Words> {
+        self.inks.iter().filter_map(|ink| if let Ink::Text(words) = ink { Some(words) } else { None })
+    }
+
+    /// Draws the page with `scale` device units a point; texts only if asked for.
+    pub fn draw<DB>(&self, area: &DrawingArea<DB, Shift>, scale: f64, texts: bool) -> Result<(), String>
     where
+        DB: DrawingBackend,
         DB::ErrorType: 'static,
     {
         let device = |(x, y): At| ((x * scale).round() as i32, (y * scale).round() as i32);
@@ -99,7 +124,8 @@ impl Page {
                         marker.outline().iter().map(|(x, y)| (at.0 + x * size, at.1 + y * size)).collect();
                     area.draw(&Polygon::new(devices(&outline), colour.filled()))
                 }
-                Ink::Text { at, text, size, bold, colour, align, upwards } => {
+                Ink::Text(_) if !texts => Ok(()),
+                Ink::Text(Words { at, text, size, bold, colour, align, upwards }) => {
                     let h = match align {
                         Align::Start => HPos::Left,
                         Align::Middle => HPos::Center,
@@ -120,19 +146,6 @@ impl Page {
 
 /// plotters counts a font's size in line heights of this many em.
 const EM: f64 = 1.24;
-
-/// Width of a text in the page's font, in points: a little more rather than less.
-pub fn text_width(text: &str, size: f64) -> f64 {
-    let em = |c: char| match c {
-        'i' | 'j' | 'l' | '.' | ',' | ':' | ';' | '\'' | '|' | ' ' | 'I' | '·' => 0.34,
-        'm' | 'w' | 'M' | 'W' | '%' => 0.96,
-        '⁰'..='₎' | '²' | '³' | '¹' => 0.42,
-        '−' | '±' | '+' | '=' | '<' | '>' | '×' | '→' => 0.84,
-        c if c.is_uppercase() => 0.72,
-        _ => 0.62,
-    };
-    text.chars().map(em).sum::<f64>() * size
-}
 
 /// The pieces of a line that its dashes leave, each at least two places long.
 fn dashed(through: &[At], lengths: &[f64]) -> Vec<Vec<At>> {

@@ -5,7 +5,7 @@ use plotters::style::RGBColor;
 use super::axis::Axis;
 use super::ink::{Align, Page};
 use super::panel::{HEIGHT, Panel, WIDTH, titled_page};
-use super::profile::{replicates, shown_samples};
+use super::profile::{is_map, replicates, shown_samples};
 use super::style::{Colour, Dash, GREY, INK, SMALL, TEXT, shown};
 use crate::configuration::Arrangement;
 use crate::trial::{CaseOutcome, Cell, StrategyOutcome};
@@ -13,17 +13,21 @@ use crate::trial::{CaseOutcome, Cell, StrategyOutcome};
 /// Shades of a colour scale: few enough that neighbours of one shade can be drawn as one.
 const SHADES: usize = 96;
 
-/// `None` where the points are no grid.
+/// `None` where the points fill no area.
 pub fn map(case: &CaseOutcome) -> Option<Page> {
     let Arrangement::Grid { nu, nv } = case.arrangement else { return None };
+    if !is_map(case) {
+        return None;
+    }
     let samples = shown_samples(case)?;
-    let cells: Vec<(&StrategyOutcome, &Cell)> = case
-        .strategies
-        .iter()
-        .filter_map(|s| Some((s, s.cells.iter().find(|c| c.samples == samples)?)))
-        .collect();
+    let cells: Vec<(&StrategyOutcome, &Cell)> =
+        case.strategies.iter().filter_map(|s| Some((s, s.cells.iter().find(|c| c.samples == samples)?))).collect();
     let exact: Vec<f64> = case.truths.iter().map(|t| t.irradiance.watts_per_square_metre()).collect();
-    let what = format!("{}: exact irradiance, and the mean's relative deviation at N = {samples}, {} replicates", case.name, replicates(&cells));
+    let what = format!(
+        "{}: exact irradiance, and the mean's relative deviation at N = {samples}, {} replicates",
+        case.name,
+        replicates(&cells)
+    );
     let mut page = titled_page(&case.title, &what);
     let extent = extent(case, nu, nv);
 
@@ -164,13 +168,13 @@ impl ColourScale {
 /// Nuñez, Anderton and Renslow (2018), nine stops of cividis.
 const CIVIDIS: [(u8, u8, u8); 9] = [
     (0, 34, 78),
-    (18, 53, 112),
-    (59, 73, 108),
-    (87, 93, 109),
-    (112, 113, 115),
-    (138, 134, 120),
-    (165, 156, 116),
-    (195, 179, 105),
+    (26, 56, 111),
+    (67, 78, 108),
+    (97, 101, 111),
+    (125, 124, 120),
+    (155, 148, 118),
+    (188, 174, 108),
+    (222, 201, 88),
     (254, 232, 56),
 ];
 

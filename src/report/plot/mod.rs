@@ -10,6 +10,7 @@ mod map;
 mod panel;
 mod profile;
 mod style;
+mod text;
 mod variance;
 
 use std::path::{Path, PathBuf};
@@ -52,10 +53,10 @@ fn write_case(dir: &Path, stem: &str, case: &CaseOutcome) -> Result<Vec<PathBuf>
 
 /// The page as SVG. Coordinates are whole eighths of a point: plotters counts in integers.
 fn svg(page: &ink::Page) -> Result<Vec<u8>, String> {
-    style::load_font()?;
+    text::load_font();
     let mut text = String::new();
     let size = ((page.width * UNITS) as u32, (page.height * UNITS) as u32);
-    page.draw(&SVGBackend::with_string(&mut text, size).into_drawing_area(), UNITS)?;
+    page.draw(&SVGBackend::with_string(&mut text, size).into_drawing_area(), UNITS, true)?;
     let finer = format!("width=\"{}\" height=\"{}\"", size.0, size.1);
     let shown = format!("width=\"{}\" height=\"{}\"", page.width, page.height);
     Ok(text.replacen(&finer, &shown, 1).into_bytes())
@@ -63,10 +64,10 @@ fn svg(page: &ink::Page) -> Result<Vec<u8>, String> {
 
 /// The page as PNG.
 fn png(page: &ink::Page) -> Result<Vec<u8>, String> {
-    style::load_font()?;
     let size = ((page.width * PIXELS) as u32, (page.height * PIXELS) as u32);
     let mut pixels = vec![0; 3 * (size.0 * size.1) as usize];
-    page.draw(&BitMapBackend::with_buffer(&mut pixels, size).into_drawing_area(), PIXELS)?;
+    page.draw(&BitMapBackend::with_buffer(&mut pixels, size).into_drawing_area(), PIXELS, false)?;
+    text::set_texts(&mut pixels, size.0 as usize, PIXELS, page.texts());
     let mut bytes = Vec::new();
     let mut encoder = ::png::Encoder::new(&mut bytes, size.0, size.1);
     encoder.set_color(::png::ColorType::Rgb);

@@ -1,8 +1,9 @@
 //! One set of axes on a page, and a legend beside it.
 
 use super::axis::Axis;
-use super::ink::{Align, At, Page, text_width};
+use super::ink::{Align, At, Page};
 use super::style::{Colour, Dash, GREY, GRID, INK, Marker, SMALL, TEXT, TITLE};
+use super::text::text_width;
 
 /// The page that most plots stand on, points.
 pub const WIDTH: f64 = 900.0;
@@ -11,22 +12,25 @@ pub const HEIGHT: f64 = 600.0;
 /// A page with its title and, below it, what is shown.
 pub fn titled_page(title: &str, shown: &str) -> Page {
     let mut page = Page::new(WIDTH, HEIGHT);
-    page.bold((24.0, 24.0), fitted(title, TITLE * 1.08, WIDTH - 48.0), TITLE, INK, Align::Start);
-    page.text((24.0, 46.0), fitted(shown, TEXT, WIDTH - 48.0), TEXT, GREY, Align::Start);
+    page.bold((24.0, 24.0), fitted(title, TITLE, true), TITLE, INK, Align::Start);
+    page.text((24.0, 46.0), fitted(shown, TEXT, false), TEXT, GREY, Align::Start);
     page
 }
 
-/// The text, cut where it would leave its room.
-pub fn fitted(text: &str, size: f64, room: f64) -> String {
-    if text_width(text, size) <= room {
+/// The text, cut where it would leave the page.
+fn fitted(text: &str, size: f64, bold: bool) -> String {
+    let room = WIDTH - 48.0;
+    if text_width(text, size, bold) <= room {
         return text.to_owned();
     }
+    let fits = |kept: &String| text_width(kept, size, bold) + size <= room;
     let mut kept = String::new();
     for c in text.chars() {
-        if text_width(&kept, size) + 2.0 * size > room {
+        kept.push(c);
+        if !fits(&kept) {
+            kept.pop();
             break;
         }
-        kept.push(c);
     }
     kept + "…"
 }
@@ -71,7 +75,7 @@ impl Panel {
             let (_, y) = self.at(self.x.low(), *value);
             page.line(vec![(self.left - 4.0, y), (self.left, y)], INK, 1.0, Dash::Solid);
             page.text((self.left - 8.0, y), label.as_str(), SMALL, INK, Align::End);
-            widest = widest.max(text_width(label, SMALL));
+            widest = widest.max(text_width(label, SMALL, false));
         }
         let middle = 0.5 * (self.left + self.right);
         page.text((middle, self.bottom + 34.0), x_name, TEXT, INK, Align::Middle);
@@ -86,7 +90,14 @@ impl Panel {
     }
 
     /// A line through pairs of values.
-    pub fn curve(&self, page: &mut Page, pairs: impl IntoIterator<Item = (f64, f64)>, colour: Colour, width: f64, dash: Dash) {
+    pub fn curve(
+        &self,
+        page: &mut Page,
+        pairs: impl IntoIterator<Item = (f64, f64)>,
+        colour: Colour,
+        width: f64,
+        dash: Dash,
+    ) {
         page.line(pairs.into_iter().map(|(x, y)| self.at(x, y)).collect(), colour, width, dash);
     }
 
@@ -116,15 +127,37 @@ impl Panel {
 /// What a legend shows before the words.
 #[derive(Clone, Copy, Debug)]
 pub enum Key {
-    Line { colour: Colour, width: f64, dash: Dash, marker: Option<Marker> },
-    Bar { colour: Colour, marker: Marker },
-    Band { colour: Colour, opacity: f64 },
+    Line {
+        colour: Colour,
+        width: f64,
+        dash: Dash,
+        marker: Option<Marker>,
+    },
+    Bar {
+        colour: Colour,
+        marker: Marker,
+    },
+    /// A marker on a band with edges.
+    Band {
+        colour: Colour,
+        marker: Marker,
+        dash: Dash,
+    },
 }
 
-const KEY_WIDTH: f64 = 34.0;
+impl Key {
+    /// With the gap before the words.
+    fn width(&self) -> f64 {
+        if let Key::Bar { .. } = self { 18.0 } else { 36.0 }
+    }
+}
 
-fn draw_key(page: &mut Page, (x, y): At, key: Key) {
-    let end = x + KEY_WIDTH - 8.0;
+/// Distance between entries, points.
+const LEGEND_LINE: f64 = 19.0;
+
+fn draw_entry(page: &mut Page, (x, y): At, key: Key, text: &str) {
+    page.text((x + key.width(), y), text, SMALL, INK, Align::Start);
+    let end = x + key.width() - 8.0;
     let middle = 0.5 * (x + end);
     match key {
         Key::Line { colour, width, dash, marker } => {
@@ -137,31 +170,32 @@ fn draw_key(page: &mut Page, (x, y): At, key: Key) {
             page.line(vec![(middle, y - 7.0), (middle, y + 7.0)], colour, 1.3, Dash::Solid);
             page.marker((middle, y), marker, colour, 3.4);
         }
-        Key::Band { colour, opacity } => page.rectangle((x, y - 5.0), (end, y + 5.0), colour, opacity),
+        Key::Band { colour, marker, dash } => {
+            page.rectangle((x, y - 6.0), (end, y + 6.0), colour, 0.16);
+            for edge in [y - 6.0, y + 6.0] {
+                page.line(vec![(x, edge), (end, edge)], colour, 0.9, dash);
+            }
+            page.marker((middle, y), marker, colour, 3.2);
+        }
     }
 }
 
 /// Entries one below the other from a place on.
 pub fn legend_column(page: &mut Page, (x, y): At, entries: &[(Key, String)]) {
     for (i, (key, text)) in entries.iter().enumerate() {
-        let y = y + 19.0 * i as f64;
-        draw_key(page, (x, y), *key);
-        page.text((x + KEY_WIDTH, y), text.as_str(), SMALL, INK, Align::Start);
+        draw_entry(page, (x, y + LEGEND_LINE * i as f64), *key, text);
     }
 }
 
-/// Entries side by side within a width, in as many rows as it takes. Returns the rows.
-pub fn legend_rows(page: &mut Page, (left, top): At, width: f64, entries: &[(Key, String)]) -> usize {
-    let (mut x, mut row) = (left, 0);
+/// Entries side by side within a width, in as many rows as it takes.
+pub fn legend_rows(page: &mut Page, (left, top): At, width: f64, entries: &[(Key, String)]) {
+    let (mut x, mut y) = (left, top);
     for (key, text) in entries {
-        let long = KEY_WIDTH + text_width(text, SMALL) + 16.0;
+        let long = key.width() + text_width(text, SMALL, false) + 22.0;
         if x > left && x + long > left + width {
-            (x, row) = (left, row + 1);
+            (x, y) = (left, y + LEGEND_LINE);
         }
-        let y = top + 19.0 * row as f64;
-        draw_key(page, (x, y), *key);
-        page.text((x + KEY_WIDTH, y), text.as_str(), SMALL, INK, Align::Start);
+        draw_entry(page, (x, y), *key, text);
         x += long;
     }
-    row + 1
 }

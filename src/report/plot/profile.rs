@@ -2,9 +2,10 @@
 
 use super::axis::Axis;
 use super::bias::NORMAL_95;
-use super::ink::{Align, Page, text_width};
+use super::ink::{Align, Page};
 use super::panel::{HEIGHT, Key, Panel, WIDTH, legend_rows, titled_page};
 use super::style::{Colour, Dash, GREY, INK, SMALL, TEXT, look, shown};
+use super::text::text_width;
 use crate::configuration::Arrangement;
 use crate::oracle::Region;
 use crate::trial::{CaseOutcome, Cell, StrategyOutcome};
@@ -14,25 +15,21 @@ use plotters::style::RGBColor;
 /// The sample count that is shown is the measured one nearest to this.
 const SHOWN_SAMPLES: f64 = 64.0;
 
-/// `None` where nothing was measured at a common sample count.
+/// `None` for a grid, which has a map instead, and where nothing was measured.
 pub fn profile(case: &CaseOutcome) -> Option<Page> {
+    if is_map(case) {
+        return None;
+    }
     let samples = shown_samples(case)?;
-    let shown_cells: Vec<(&StrategyOutcome, &Cell)> = case
-        .strategies
-        .iter()
-        .filter_map(|s| Some((s, s.cells.iter().find(|c| c.samples == samples)?)))
-        .collect();
+    let shown_cells: Vec<(&StrategyOutcome, &Cell)> =
+        case.strategies.iter().filter_map(|s| Some((s, s.cells.iter().find(|c| c.samples == samples)?))).collect();
     let along = places(case);
     let line = case.arrangement == Arrangement::Line;
     let exact: Vec<f64> = case.truths.iter().map(|t| t.irradiance.watts_per_square_metre()).collect();
 
     let what = format!("{}: irradiance at N = {samples}, {} replicates", case.name, replicates(&shown_cells));
     let mut page = titled_page(&case.title, &what);
-    let x = if line {
-        Axis::linear(along[0], along[along.len() - 1], false, 8)
-    } else {
-        indices(along.len())
-    };
+    let x = if line { Axis::linear(along[0], along[along.len() - 1], false, 8) } else { indices(along.len()) };
     let noise = |c: &Cell, i: usize| c.points[i].variance.sqrt();
     let reach = |c: &Cell, i: usize| c.points[i].bias.abs() + NORMAL_95 * c.points[i].bias_std_error;
     let (mut top, mut largest) = (exact.iter().copied().fold(0.0, f64::max), 0.0f64);
@@ -42,7 +39,7 @@ pub fn profile(case: &CaseOutcome) -> Option<Page> {
             largest = largest.max(reach(cell, i));
         }
     }
-    let y = Axis::linear(0.0, 1.04 * top, true, 6);
+    let y = Axis::linear(0.0, 1.08 * top, false, 6);
     let largest = if largest > 0.0 { largest } else { 1e-3 * y.high() };
     let (left, right) = (104.0, WIDTH - 24.0);
     let upper = Panel { left, top: 88.0, right, bottom: 340.0, x: x.unlabelled(), y };
@@ -50,67 +47,78 @@ pub fn profile(case: &CaseOutcome) -> Option<Page> {
 
     shade_regions(&mut page, case, &along, &[&upper, &lower], line);
     upper.draw(&mut page, "", "irradiance (W/m²)");
-    lower.draw(&mut page, if line { "distance along the line (m)" } else { "measurement point" }, "mean − exact (W/m²)");
+    lower.draw(
+        &mut page,
+        if line { "distance along the line (m)" } else { "measurement point" },
+        "mean − exact (W/m²)",
+    );
 
-    let mut legend = Vec::new();
+    let key = Key::Line { colour: INK, width: 1.6, dash: Dash::Solid, marker: None };
+    let mut legend = vec![(key, "exact".to_owned())];
+    // The room of one point, when points stand side by side.
+    let slot = (right - left) / along.len() as f64;
+    let n = shown_cells.len().max(1);
+    let apart = if line { 3.0 } else { (0.8 * slot / n as f64).min(16.0) };
+    if !line {
+        for (place, value) in along.iter().zip(&exact) {
+            let (x, y) = upper.at(*place, *value);
+            let half = 0.5 * apart * (n as f64 + 0.4);
+            page.line(vec![(x - half, y), (x + half, y)], INK, 1.6, Dash::Solid);
+        }
+    }
     for (k, (strategy, cell)) in shown_cells.iter().enumerate() {
         let look = look(strategy.strategy);
-        let aside = 3.0 * (k as f64 - 0.5 * (shown_cells.len() as f64 - 1.0));
-        let spread = |i: usize| (exact[i] - noise(cell, i), exact[i] + noise(cell, i));
+        let aside = apart * (k as f64 - 0.5 * (n as f64 - 1.0));
+        // One estimate is never negative, though a standard deviation may reach below zero.
+        let spread = |i: usize| (along[i], (exact[i] - noise(cell, i)).max(0.0), exact[i] + noise(cell, i));
+        let spreads: Vec<_> = (0..exact.len()).map(spread).collect();
         if line {
-            // One estimate cannot be negative, but its ±1 standard deviation may reach below zero.
-            let edges: Vec<_> =
-                (0..exact.len()).map(|i| (along[i], spread(i).0.max(0.0), spread(i).1)).collect();
-            panel_band(&mut page, &upper, &edges, look.colour, look.dash);
+            draw_band(&mut page, &upper, &spreads, look.colour, look.dash);
         } else {
-            for i in 0..exact.len() {
-                let (low, high) = spread(i);
-                upper.bar(&mut page, along[i], low.max(0.0), high, 2.0 * aside, 0.0, look.colour);
-            }
+            spreads.iter().for_each(|&(x, low, high)| upper.bar(&mut page, x, low, high, aside, 3.0, look.colour));
         }
-        let every = if line { shown_cells.len().max(1) * exact.len().div_ceil(48) } else { 1 };
+        let every = if line { n * exact.len().div_ceil(16 * n) } else { 1 };
+        let offset = every / n * k;
         for (i, point) in cell.points.iter().enumerate() {
             let half = NORMAL_95 * point.bias_std_error;
             lower.bar(&mut page, along[i], point.bias - half, point.bias + half, aside, 0.0, look.colour);
             let (x, y) = lower.at(along[i], point.bias);
-            page.marker((x + aside, y), look.marker, look.colour, 2.0);
-            if i % every == k % every {
+            page.marker((x + aside, y), look.marker, look.colour, if line { 2.0 } else { 3.0 });
+            if i % every == offset % every {
                 let (x, y) = upper.at(along[i], point.mean);
-                page.marker((x + if line { 0.0 } else { 2.0 * aside }, y), look.marker, look.colour, 3.2);
+                page.marker((x + if line { 0.0 } else { aside }, y), look.marker, look.colour, 3.4);
             }
         }
-        legend.push((Key::Bar { colour: look.colour, marker: look.marker }, format!("{} mean", shown(strategy.strategy))));
-        if line {
-            let text = "±1 std. dev. of one estimate".to_owned();
-            legend.push((Key::Band { colour: look.colour, opacity: 0.25 }, text));
-        }
+        let key = match line {
+            true => Key::Band { colour: look.colour, marker: look.marker, dash: look.dash },
+            false => Key::Bar { colour: look.colour, marker: look.marker },
+        };
+        legend.push((key, shown(strategy.strategy).to_owned()));
     }
     lower.curve(&mut page, [(lower.x.low(), 0.0), (lower.x.high(), 0.0)], INK, 1.0, Dash::Solid);
     if line {
         upper.curve(&mut page, along.iter().copied().zip(exact.iter().copied()), INK, 1.4, Dash::Solid);
-        legend.insert(0, (Key::Line { colour: INK, width: 1.4, dash: Dash::Solid, marker: None }, "exact".to_owned()));
-    } else {
-        for (place, value) in along.iter().zip(&exact) {
-            let (x, y) = upper.at(*place, *value);
-            page.line(vec![(x - 9.0, y), (x + 9.0, y)], INK, 1.6, Dash::Solid);
-        }
-        legend.insert(0, (Key::Line { colour: INK, width: 1.6, dash: Dash::Solid, marker: None }, "exact".to_owned()));
     }
-    legend_rows(&mut page, (upper.left, HEIGHT - 62.0), upper.right - upper.left, &legend);
+    legend_rows(&mut page, (upper.left, HEIGHT - 56.0), upper.right - upper.left, &legend);
     let note = if line {
-        "Above: bands are the noise of a single estimate. Below: bars are ±1.96 standard errors of the mean."
+        "Above: marks are means (some shown), bands ±1 standard deviation of one estimate. Below: ±1.96 standard errors."
     } else {
-        "Above: bars are ±1 standard deviation of one estimate. Below: ±1.96 standard errors of the mean."
+        "Above: marks are means, bars ±1 standard deviation of one estimate. Below: ±1.96 standard errors of the mean."
     };
-    page.text((upper.left, HEIGHT - 14.0), note, SMALL, GREY, Align::Start);
+    page.text((24.0, HEIGHT - 18.0), note, SMALL, GREY, Align::Start);
     Some(page)
 }
 
 /// Shaded, with edges in the strategy's own dash so that bands can be told apart without colour.
-fn panel_band(page: &mut Page, panel: &Panel, edges: &[(f64, f64, f64)], colour: Colour, dash: Dash) {
+fn draw_band(page: &mut Page, panel: &Panel, edges: &[(f64, f64, f64)], colour: Colour, dash: Dash) {
     panel.band(page, edges, colour, 0.16);
     panel.curve(page, edges.iter().map(|e| (e.0, e.1)), colour, 0.9, dash);
     panel.curve(page, edges.iter().map(|e| (e.0, e.2)), colour, 0.9, dash);
+}
+
+/// Whether the points fill an area.
+pub fn is_map(case: &CaseOutcome) -> bool {
+    matches!(case.arrangement, Arrangement::Grid { nu, nv } if nu > 1 && nv > 1)
 }
 
 /// The measured sample count nearest to the one wanted, on a logarithmic scale.
@@ -186,7 +194,7 @@ fn shade_regions(page: &mut Page, case: &CaseOutcome, along: &[f64], panels: &[&
         }
         let (left, _) = panels[0].at(from, panels[0].y.low());
         let (right, _) = panels[0].at(to, panels[0].y.low());
-        let (middle, half) = (0.5 * (left + right), 0.5 * text_width(name, TEXT));
+        let (middle, half) = (0.5 * (left + right), 0.5 * text_width(name, TEXT, false));
         if middle - half >= free.max(panels[0].left - 40.0) {
             page.text((middle, panels[0].top - 12.0), name, SMALL, GREY, Align::Middle);
             free = middle + half + 4.0;

@@ -1,14 +1,12 @@
 //! The look of plots: colours that the colour-blind can tell apart, and marks that differ without colour too.
 
-use std::sync::OnceLock;
-
-use plotters::style::{FontStyle, RGBColor, register_font};
+use plotters::style::RGBColor;
 
 use crate::sampling::Strategy;
 
 pub type Colour = RGBColor;
 
-/// The family that an SVG asks for; Verdana has the same widths as the font that pixels are drawn with.
+/// The family that an SVG asks for; Verdana has the same widths as the embedded font.
 pub const FONT: &str = "DejaVu Sans, Verdana, sans-serif";
 
 pub const INK: Colour = RGBColor(0x22, 0x22, 0x22);
@@ -20,20 +18,6 @@ pub const GRID: Colour = RGBColor(0xe4, 0xe4, 0xe4);
 pub const TITLE: f64 = 16.0;
 pub const TEXT: f64 = 12.5;
 pub const SMALL: f64 = 11.5;
-
-/// Hands the embedded font to plotters, once.
-pub fn load_font() -> Result<(), String> {
-    static LOADED: OnceLock<Result<(), String>> = OnceLock::new();
-    let load = || {
-        let regular: &[u8] = include_bytes!("../../../assets/fonts/DejaVuSans-subset.ttf");
-        let bold: &[u8] = include_bytes!("../../../assets/fonts/DejaVuSans-Bold-subset.ttf");
-        for (style, bytes) in [(FontStyle::Normal, regular), (FontStyle::Bold, bold)] {
-            register_font(FONT, style, bytes).map_err(|_| "the embedded font cannot be read".to_owned())?;
-        }
-        Ok(())
-    };
-    LOADED.get_or_init(load).clone()
-}
 
 /// How a line is broken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -87,9 +71,7 @@ pub struct Look {
 /// Colours of Okabe and Ito (2008): blue, vermilion, bluish green.
 pub fn look(strategy: Strategy) -> Look {
     match strategy {
-        Strategy::Random => {
-            Look { colour: RGBColor(0x00, 0x72, 0xb2), marker: Marker::Circle, dash: Dash::Solid }
-        }
+        Strategy::Random => Look { colour: RGBColor(0x00, 0x72, 0xb2), marker: Marker::Circle, dash: Dash::Solid },
         Strategy::Correlated => {
             Look { colour: RGBColor(0xd5, 0x5e, 0x00), marker: Marker::Square, dash: Dash::Dashed }
         }

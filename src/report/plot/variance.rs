@@ -1,10 +1,10 @@
 //! Variance curves: how the noise of one estimate falls with the number of samples, beside the line fitted to it and
 //! the slope that theory expects.
 
-use super::axis::{Axis, superscript};
+use super::axis::Axis;
 use super::ink::{Align, Page};
 use super::panel::{HEIGHT, Key, Panel, WIDTH, legend_column, titled_page};
-use super::style::{Dash, GREY, GUIDE, SMALL, TEXT, look, shown};
+use super::style::{Dash, GREY, GUIDE, INK, SMALL, TEXT, look, shown};
 use crate::oracle::Region;
 use crate::sampling::Strategy;
 use crate::trial::{CaseOutcome, Rate};
@@ -42,14 +42,15 @@ pub fn variance(case: &CaseOutcome) -> Option<Page> {
         let panel = Panel { left: from, top: 92.0, right: from + width, bottom: HEIGHT - 142.0, x, y };
         let name = if i == 0 { "variance (W²/m⁴)" } else { "" };
         panel.draw(&mut page, "samples N", name);
-        page.bold((from, 76.0), heading(group.region), TEXT, super::style::INK, Align::Start);
+        page.bold((from, 76.0), heading(group.region), TEXT, INK, Align::Start);
         draw_group(&mut page, &panel, group);
     }
     page.text((left, HEIGHT - 14.0), NOTE, SMALL, GREY, Align::Start);
     Some(page)
 }
 
-const NOTE: &str = "Marks: mean over points, with 95 % band. Lines: fits, slopes with 95 % intervals. Thin grey: asymptotes.";
+const NOTE: &str =
+    "Marks: mean over points, with 95 % band. Lines: fits, slopes with 95 % intervals. Thin grey: expected slopes.";
 
 fn heading(region: Option<Region>) -> &'static str {
     match region {
@@ -110,7 +111,8 @@ fn draw_group(page: &mut Page, panel: &Panel, group: &Group) {
         }
         let half = 0.5 * (rate.slope_high - rate.slope_low);
         let text = format!("{}: slope {:.3} ± {:.3}", shown(*strategy), rate.slope, half).replace('-', "−");
-        legend.push((Key::Line { colour: look.colour, width: 1.6, dash: look.dash, marker: Some(look.marker) }, text));
+        legend
+            .push((Key::Line { colour: look.colour, width: 1.6, dash: look.dash, marker: Some(look.marker) }, text));
     }
     legend_column(page, (panel.left, panel.bottom + 58.0), &legend);
 }
@@ -142,16 +144,17 @@ fn draw_guides(page: &mut Page, panel: &Panel, group: &Group) {
         }
         panel.curve(page, [(from, guide(from)), (to, guide(to))], GUIDE, 1.0, Dash::Solid);
         let (x, y) = panel.at(to, guide(to));
-        page.text((x + 5.0, y), format!("N{}", power(*slope)), SMALL, GREY, Align::Start);
+        page.text((x + 5.0, y), exponent(*slope), SMALL, GREY, Align::Start);
     }
 }
 
-/// A slope as an exponent: `⁻¹`, `⁻³ᐟ²` as `^−3/2`.
-fn power(slope: f64) -> String {
-    if slope == slope.round() {
-        return superscript(&format!("{slope:.0}"));
-    }
+/// A slope as people write it: `−1`, `−3/2`.
+fn exponent(slope: f64) -> String {
     let halves = 2.0 * slope;
-    let text = if halves == halves.round() { format!("^({halves:.0}/2)") } else { format!("^({slope})") };
+    let text = match slope {
+        _ if slope == slope.round() => format!("{slope:.0}"),
+        _ if halves == halves.round() => format!("{halves:.0}/2"),
+        _ => format!("{slope}"),
+    };
     text.replace('-', "−")
 }
