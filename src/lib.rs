@@ -10,6 +10,7 @@ pub mod estimator;
 pub mod geometry;
 pub mod oracle;
 pub mod radiometry;
+pub mod report;
 pub mod sampling;
 pub mod scene;
 pub mod statistics;

@@ -51,6 +51,10 @@ pub struct Cell {
     pub replicates: u64,
     /// One for each measurement point.
     pub points: Vec<Measured>,
+    /// Mean over the points of the bias, W/m².
+    pub mean_bias: f64,
+    /// Its standard error, taken across replicates because points may err together, W/m².
+    pub mean_bias_std_error: f64,
 }
 
 /// Irradiance estimates at one point with one sample count, over all replicates.

@@ -1,0 +1,75 @@
+//! Exact values as a table: what `etendue exact` prints.
+
+use std::io::Write;
+
+use super::ReportError;
+use super::column::{Column, Field, Table};
+use super::tables::column;
+use crate::configuration::MeasurementPoint;
+use crate::oracle::Truth;
+use crate::radiometry::Albedo;
+
+/// A case whose exact values are known.
+#[derive(Clone, Copy, Debug)]
+pub struct ExactCase<'a> {
+    pub name: &'a str,
+    pub albedo: Option<Albedo>,
+    pub points: &'a [MeasurementPoint],
+    /// One for each point.
+    pub truths: &'a [Truth],
+}
+
+pub(super) struct ExactRow<'a> {
+    case: ExactCase<'a>,
+    point: usize,
+    at: &'a MeasurementPoint,
+    truth: &'a Truth,
+}
+
+/// Writes one row for each point of each case, numbers with 17 significant digits.
+pub fn write_exact<'a>(out: impl Write, cases: impl IntoIterator<Item = ExactCase<'a>>) -> Result<(), ReportError> {
+    let rows = cases.into_iter().flat_map(|case| {
+        assert_eq!(case.points.len(), case.truths.len(), "{}: one truth for each point", case.name);
+        let points = case.points.iter().zip(case.truths).enumerate();
+        points.map(move |(point, (at, truth))| ExactRow { case, point, at, truth })
+    });
+    exact().write(rows, out)
+}
+
+pub(super) fn exact<'a>() -> Table<ExactRow<'a>> {
+    Table {
+        file: "exact.csv",
+        row: "the exact values at one measurement point (`etendue exact` prints this table on standard output)",
+        case: |r| r.case.name,
+        columns: vec![
+            column!("case", "", "the case's name", |r| r.case.name),
+            column!("point", "", "which measurement point, from 0, in the case's order", |r| r.point),
+            column!("x_m", "m", "where the point is", |r| Field::Digits17(r.at.position().x)),
+            column!("y_m", "m", "where the point is", |r| Field::Digits17(r.at.position().y)),
+            column!("z_m", "m", "where the point is", |r| Field::Digits17(r.at.position().z)),
+            column!("nx", "", "unit normal towards the receiving side", |r| Field::Digits17(r.at.normal().x)),
+            column!("ny", "", "unit normal towards the receiving side", |r| Field::Digits17(r.at.normal().y)),
+            column!("nz", "", "unit normal towards the receiving side", |r| Field::Digits17(r.at.normal().z)),
+            column!("region", "", "`lit`, `penumbra`, `umbra`, `below_horizon` or `edge`", |r| r.truth.region.name()),
+            column!("form_factor", "", "of the visible parts of all sources, seen directly", |r| Field::Digits17(
+                r.truth.form_factor.ratio()
+            )),
+            column!("direct_W_m2", "W/m²", "irradiance that comes straight from the sources", |r| Field::Digits17(
+                r.truth.irradiance.watts_per_square_metre()
+            )),
+            column!("caustic_W_m2", "W/m²", "irradiance by way of mirrors and glass", |_| Field::Digits17(0.0)),
+            column!("indirect_W_m2", "W/m²", "irradiance by way of diffuse surfaces", |_| Field::Digits17(0.0)),
+            column!("irradiance_W_m2", "W/m²", "the sum of the three", |r| Field::Digits17(
+                r.truth.irradiance.watts_per_square_metre()
+            )),
+            column!("radiosity_W_m2", "W/m²", "irradiance times the receiver's albedo; empty without one", |r| r
+                .case
+                .albedo
+                .map(|albedo| Field::Digits17((r.truth.irradiance * albedo).watts_per_square_metre()))),
+            column!("error_bound", "W/m²", "the irradiance is off by no more than this", |r| Field::Digits17(
+                r.truth.bound.watts_per_square_metre()
+            )),
+            column!("method", "", "`closed-form` or `quadrature`", |r| r.truth.method.name()),
+        ],
+    }
+}

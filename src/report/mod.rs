@@ -1,0 +1,124 @@
+//! Reports: what a run found, as tables, plots and words. A report shows; it decides nothing.
+//!
+//! - [`claim`] finds an unwritable folder before the work starts;
+//! - [`write`](fn@write) fills it: CSV tables, `manifest.json`, and plots (feature `plots`);
+//! - [`table`] tells the verdicts on a terminal; [`write_exact`] prints exact values.
+//!
+//! The meaning of every column is in `reports/README.md`, which [`column_reference`] writes. Everything but
+//! `timings.csv` is the same from run to run, byte for byte.
+
+mod column;
+mod error;
+mod exact;
+mod folder;
+mod manifest;
+#[cfg(feature = "plots")]
+mod plot;
+mod tables;
+mod terminal;
+
+#[cfg(test)]
+mod made_up;
+
+use std::path::{Path, PathBuf};
+
+use crate::trial::RunOutcome;
+
+pub use error::ReportError;
+pub use exact::{ExactCase, write_exact};
+pub use folder::claim;
+pub use terminal::{TableOptions, table};
+
+/// How a report is written.
+#[derive(Clone, Copy, Debug)]
+pub struct ReportOptions<'a> {
+    /// The random number generator and how its streams are keyed, for the manifest.
+    pub generator: &'a str,
+    /// Whether plots are drawn; without the feature `plots` none are.
+    pub plots: bool,
+}
+
+/// Writes the whole report into a folder, which is made if need be; [`claim`] it first so that no file of an earlier
+/// run stays. Returns the files written: tables, plots by case, the manifest last.
+///
+/// - `outcome`: every case has one truth for each point, every cell one measurement for each point
+pub fn write(dir: &Path, outcome: &RunOutcome, options: &ReportOptions) -> Result<Vec<PathBuf>, ReportError> {
+    for case in &outcome.cases {
+        let counts = |n: usize| assert_eq!(n, case.points.len(), "{}: one entry for each point", case.name);
+        counts(case.truths.len());
+        case.strategies.iter().flat_map(|s| &s.cells).for_each(|cell| counts(cell.points.len()));
+    }
+    std::fs::create_dir_all(dir).map_err(|source| ReportError::Folder { path: dir.to_owned(), source })?;
+    let mut written = Vec::new();
+    for (name, content) in csv_files(outcome)? {
+        written.push(folder::write_whole(dir, name, &content)?);
+    }
+    #[cfg(feature = "plots")]
+    if options.plots {
+        written.extend(plot::write_all(&dir.join(folder::PLOTS), outcome)?);
+    }
+    let manifest = manifest::manifest(outcome, options.generator);
+    written.push(folder::write_whole(dir, "manifest.json", manifest.as_bytes())?);
+    Ok(written)
+}
+
+/// The tables, in memory: nothing is written while any of them cannot be.
+fn csv_files(outcome: &RunOutcome) -> Result<Vec<(&'static str, Vec<u8>)>, ReportError> {
+    fn filled<R>(
+        table: column::Table<R>,
+        rows: impl Iterator<Item = R>,
+    ) -> Result<(&'static str, Vec<u8>), ReportError> {
+        let mut content = Vec::new();
+        table.write(rows, &mut content)?;
+        Ok((table.file, content))
+    }
+    Ok(vec![
+        filled(tables::convergence(), tables::convergence_rows(outcome))?,
+        filled(tables::rates(), tables::rate_rows(outcome))?,
+        filled(tables::correlation(), tables::correlation_rows(outcome))?,
+        filled(tables::verdicts(), tables::verdict_rows(outcome))?,
+        filled(tables::timings(), tables::timing_rows(outcome))?,
+    ])
+}
+
+/// The meaning of every column of every table, as Markdown: the text of `reports/README.md`.
+pub fn column_reference() -> String {
+    let head = "\
+# Reports
+
+A run of `etendue` writes a folder like this one: tables (CSV), plots, and `manifest.json` (version, seed, generator,
+the command, and a digest of each case). Everything but `timings.csv` is the same from run to run, byte for byte.
+
+Tables are in long format, one observation a row: comma-separated, `.` as decimal mark, full round-trip digits. A field
+is empty where a number has no meaning; none is ever NaN or infinite. *(This page is written by the code that writes
+the tables.)*
+";
+    [
+        head.to_owned(),
+        tables::convergence().described(),
+        tables::rates().described(),
+        tables::correlation().described(),
+        tables::verdicts().described(),
+        tables::timings().described(),
+        exact::exact().described(),
+    ]
+    .join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn options() -> ReportOptions<'static> {
+        ReportOptions { generator: "8 lanes of xoshiro256++", plots: true }
+    }
+
+    /// Not a law: plots to look at, in the system's folder for passing files.
+    #[test]
+    #[ignore = "writes plots for people to look at"]
+    fn made_up_plots_to_look_at() {
+        let dir = std::env::temp_dir().join("etendue-plots");
+        claim(&dir).unwrap();
+        write(&dir, &made_up::outcome(), &options()).unwrap();
+    }
+}

@@ -1,0 +1,82 @@
+//! Bias: how far the mean over the points is from the exact value, at each number of samples.
+
+use super::axis::Axis;
+use super::ink::{Align, Page};
+use super::panel::{HEIGHT, Key, Panel, WIDTH, legend_rows, titled_page};
+use super::style::{Dash, GREY, INK, SMALL, look, shown};
+use crate::trial::CaseOutcome;
+
+/// Half a 95 % interval in standard errors, for showing; verdicts use none.
+pub const NORMAL_95: f64 = 1.96;
+
+/// `None` where nothing arrives and nothing is due.
+pub fn bias(case: &CaseOutcome) -> Option<Page> {
+    let exact: f64 = case.truths.iter().map(|t| t.irradiance.watts_per_square_metre()).sum();
+    let mean = exact / case.truths.len().max(1) as f64;
+    let (unit, name) =
+        if mean > 0.0 { (mean, "relative bias of the mean") } else { (1.0, "bias of the mean (W/m²)") };
+    let cells = || case.strategies.iter().flat_map(|s| &s.cells);
+    let reach = |bias: f64, error: f64| (bias.abs() + NORMAL_95 * error) / unit;
+    let largest = cells().map(|c| reach(c.mean_bias, c.mean_bias_std_error)).fold(0.0, f64::max);
+    let errors = cells().map(|c| c.mean_bias_std_error / unit).filter(|e| *e > 0.0);
+    let finest = errors.fold(f64::INFINITY, f64::min);
+    if largest == 0.0 {
+        return None;
+    }
+    let seen = |s: &crate::trial::StrategyOutcome| {
+        let judged = s.verdicts.iter().find(|v| v.property == "bias")?;
+        judged.smallest_bias_mean.filter(|b| mean > 0.0 && *b > 0.0)
+    };
+    let largest = case.strategies.iter().filter_map(seen).fold(largest, f64::max);
+    let counts: Vec<u64> =
+        cells().map(|c| c.samples).collect::<std::collections::BTreeSet<_>>().into_iter().collect();
+
+    let shows = format!(
+        "{}: bias of the mean over {} points, at each number of points on each source",
+        case.name,
+        case.points.len()
+    );
+    let mut page = titled_page(&case.title, &shows);
+    let panel = Panel {
+        left: 104.0,
+        top: 72.0,
+        right: WIDTH - 24.0,
+        bottom: HEIGHT - 112.0,
+        x: Axis::samples(&counts, (1.6, 1.6), WIDTH - 128.0),
+        y: Axis::symmetric(1.15 * largest, finest),
+    };
+    panel.draw(&mut page, "samples N", name);
+    panel.curve(&mut page, [(panel.x.low(), 0.0), (panel.x.high(), 0.0)], INK, 1.0, Dash::Solid);
+    let mut legend = Vec::new();
+    let middle = 0.5 * (case.strategies.len() as f64 - 1.0);
+    for (i, strategy) in case.strategies.iter().enumerate() {
+        let look = look(strategy.strategy);
+        let aside = 11.0 * (i as f64 - middle);
+        for cell in &strategy.cells {
+            let (n, bias) = (cell.samples as f64, cell.mean_bias / unit);
+            let half = NORMAL_95 * cell.mean_bias_std_error / unit;
+            panel.bar(&mut page, n, bias - half, bias + half, aside, 4.0, look.colour);
+            let (x, y) = panel.at(n, bias);
+            page.marker((x + aside, y), look.marker, look.colour, 3.8);
+        }
+        let mut text = shown(strategy.strategy).to_owned();
+        if let Some(smallest) = seen(strategy) {
+            for side in [-smallest, smallest] {
+                let ends = [(panel.x.low(), side), (panel.x.high(), side)];
+                panel.curve(&mut page, ends, look.colour, 0.8, look.dash);
+            }
+            text = format!("{text}: would catch ±{} %", two_digits(100.0 * smallest));
+        }
+        legend.push((Key::Bar { colour: look.colour, marker: look.marker }, text));
+    }
+    legend_rows(&mut page, (panel.left, HEIGHT - 56.0), panel.right - panel.left, &legend);
+    let note = "Bars: ±1.96 standard errors. Thin lines: the smallest bias that all N together would have caught with \
+                99 % probability.";
+    page.text((panel.left, HEIGHT - 16.0), note, SMALL, GREY, Align::Start);
+    Some(page)
+}
+
+fn two_digits(x: f64) -> String {
+    let decimals = (1.0 - x.log10().floor()).clamp(0.0, 6.0) as usize;
+    format!("{x:.decimals$}")
+}

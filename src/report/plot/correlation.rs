@@ -1,0 +1,90 @@
+//! Correlation over distance: whether the errors of neighbouring points move together.
+
+use super::axis::Axis;
+use super::ink::{Align, Page};
+use super::panel::{HEIGHT, Key, Panel, WIDTH, legend_column, titled_page};
+use super::style::{Colour, Dash, GREY, INK, Look, Marker, SMALL, TEXT, look, shown};
+use crate::trial::{CaseOutcome, Correlation, StrategyOutcome};
+
+/// Sample counts drawn per strategy: the fewest, one between, the most.
+const DRAWN: usize = 3;
+
+/// `None` where no correlation was measured.
+pub fn correlation(case: &CaseOutcome) -> Option<Page> {
+    let strategies: Vec<&StrategyOutcome> = case.strategies.iter().filter(|s| !s.correlations.is_empty()).collect();
+    let all = || strategies.iter().flat_map(|s| &s.correlations);
+    let farthest = all().map(|c| c.separation).fold(0.0, f64::max);
+    if strategies.is_empty() {
+        return None;
+    }
+    let low = all().map(|c| c.low).fold(-0.2, f64::min).max(-1.0);
+    let high = all().map(|c| c.high).fold(0.2, f64::max).min(1.0);
+    let y = Axis::linear(low, high, true, 6);
+    let shows = format!("{}: correlation between the errors of two points, by their distance", case.name);
+    let mut page = titled_page(&case.title, &shows);
+    let n = strategies.len() as f64;
+    let (left, gap, right) = (84.0, 26.0, WIDTH - 24.0);
+    let width = (right - left - gap * (n - 1.0)) / n;
+    for (i, strategy) in strategies.iter().enumerate() {
+        let from = left + (width + gap) * i as f64;
+        let x = Axis::linear(0.0, farthest, false, if n > 1.0 { 4 } else { 8 });
+        let y = if i == 0 { y.clone() } else { y.unlabelled() };
+        let panel = Panel { left: from, top: 92.0, right: from + width, bottom: HEIGHT - 146.0, x, y };
+        panel.draw(&mut page, "separation (m)", if i == 0 { "correlation" } else { "" });
+        page.bold((from, 76.0), shown(strategy.strategy), TEXT, INK, Align::Start);
+        panel.curve(&mut page, [(0.0, 0.0), (panel.x.high(), 0.0)], INK, 1.0, Dash::Solid);
+        draw_strategy(&mut page, &panel, strategy);
+    }
+    page.text((left, HEIGHT - 14.0), "Bands: 95 %.", SMALL, GREY, Align::Start);
+    Some(page)
+}
+
+fn draw_strategy(page: &mut Page, panel: &Panel, strategy: &StrategyOutcome) {
+    let mut legend = Vec::new();
+    let counts = drawn_counts(&strategy.correlations);
+    let mut predicted = false;
+    for (k, &samples) in counts.iter().enumerate() {
+        let look = shade(look(strategy.strategy), k);
+        let curve: Vec<&Correlation> = strategy.correlations.iter().filter(|c| c.samples == samples).collect();
+        let band: Vec<_> = curve.iter().map(|c| (c.separation, c.low, c.high)).collect();
+        panel.band(page, &band, look.colour, 0.18);
+        panel.curve(page, curve.iter().map(|c| (c.separation, c.correlation)), look.colour, 1.5, look.dash);
+        let every = curve.len().div_ceil(10).max(1);
+        for c in curve.iter().skip(k * every / counts.len()).step_by(every) {
+            page.marker(panel.at(c.separation, c.correlation), look.marker, look.colour, 3.4);
+        }
+        let expected: Vec<_> = curve.iter().filter_map(|c| Some((c.separation, c.predicted?))).collect();
+        if expected.len() > 1 {
+            panel.curve(page, expected, INK, 1.0, Dash::Dotted);
+            predicted = true;
+        }
+        let key = Key::Line { colour: look.colour, width: 1.5, dash: look.dash, marker: Some(look.marker) };
+        legend.push((key, format!("N = {samples}")));
+    }
+    if predicted {
+        let key = Key::Line { colour: INK, width: 1.0, dash: Dash::Dotted, marker: None };
+        legend.push((key, "predicted".to_owned()));
+    }
+    legend_column(page, (panel.left, panel.bottom + 58.0), &legend);
+}
+
+/// At most three sample counts, spread over those that there are.
+fn drawn_counts(correlations: &[Correlation]) -> Vec<u64> {
+    let counts: std::collections::BTreeSet<u64> = correlations.iter().map(|c| c.samples).collect();
+    let counts: Vec<u64> = counts.into_iter().collect();
+    if counts.len() <= DRAWN {
+        return counts;
+    }
+    (0..DRAWN).map(|k| counts[k * (counts.len() - 1) / (DRAWN - 1)]).collect()
+}
+
+/// The strategy's colour, lighter to darker, each with its own marker and dash.
+fn shade(look: Look, k: usize) -> Look {
+    let mixed = |c: u8, with: u8, share: f64| (f64::from(c) * (1.0 - share) + f64::from(with) * share).round() as u8;
+    let Colour { 0: r, 1: g, 2: b } = look.colour;
+    let (with, share) = [(255, 0.45), (0, 0.0), (0, 0.45)][k % 3];
+    let colour = plotters::style::RGBColor(mixed(r, with, share), mixed(g, with, share), mixed(b, with, share));
+    let (marker, dash) =
+        [(Marker::Circle, Dash::Solid), (Marker::Square, Dash::Dashed), (Marker::Diamond, Dash::DashDot)][k % 3];
+    Look { colour, marker, dash }
+}

@@ -1,0 +1,81 @@
+//! Plots of a report, as SVG and PNG: variance curves, bias, profiles and maps, correlation.
+//!
+//! A plot is first a [`Page`](ink::Page) of marks in points; plotters draws the same page as SVG and as pixels.
+
+mod axis;
+mod bias;
+mod correlation;
+mod ink;
+mod map;
+mod panel;
+mod profile;
+mod style;
+mod text;
+mod variance;
+
+use std::path::{Path, PathBuf};
+
+use plotters::prelude::*;
+use rayon::prelude::*;
+
+use super::ReportError;
+use super::folder::{PLOT_KINDS, file_stems, write_whole};
+use crate::trial::{CaseOutcome, RunOutcome};
+
+/// Pixels of a PNG, and units of an SVG, for each point of a page.
+const PIXELS: f64 = 2.0;
+const UNITS: f64 = 8.0;
+
+/// Draws all plots of all cases, cases in parallel. Returns the files in the order of the cases.
+pub(super) fn write_all(dir: &Path, outcome: &RunOutcome) -> Result<Vec<PathBuf>, ReportError> {
+    std::fs::create_dir_all(dir).map_err(|source| ReportError::Folder { path: dir.to_owned(), source })?;
+    let stems = file_stems(outcome.cases.iter().map(|c| c.name.as_str()));
+    let written: Vec<Result<Vec<PathBuf>, ReportError>> =
+        outcome.cases.par_iter().zip(&stems).map(|(case, stem)| write_case(dir, stem, case)).collect();
+    let by_case: Result<Vec<Vec<PathBuf>>, ReportError> = written.into_iter().collect();
+    Ok(by_case?.into_iter().flatten().collect())
+}
+
+fn write_case(dir: &Path, stem: &str, case: &CaseOutcome) -> Result<Vec<PathBuf>, ReportError> {
+    let draw: [fn(&CaseOutcome) -> Option<ink::Page>; 5] =
+        [variance::variance, bias::bias, profile::profile, map::map, correlation::correlation];
+    let mut written = Vec::new();
+    for (draw, kind) in draw.into_iter().zip(PLOT_KINDS) {
+        let Some(page) = draw(case) else { continue };
+        for (format, bytes) in [("svg", svg(&page)), ("png", png(&page))] {
+            let name = format!("{stem}-{kind}.{format}");
+            let bytes = bytes.map_err(|reason| ReportError::Plot { path: dir.join(&name), reason })?;
+            written.push(write_whole(dir, &name, &bytes)?);
+        }
+    }
+    Ok(written)
+}
+
+/// The page as SVG. Coordinates are whole eighths of a point: plotters counts in integers.
+fn svg(page: &ink::Page) -> Result<Vec<u8>, String> {
+    text::load_font();
+    let mut text = String::new();
+    let size = ((page.width * UNITS) as u32, (page.height * UNITS) as u32);
+    page.draw(&SVGBackend::with_string(&mut text, size).into_drawing_area(), UNITS, true)?;
+    let finer = format!("width=\"{}\" height=\"{}\"", size.0, size.1);
+    let shown = format!("width=\"{}\" height=\"{}\"", page.width, page.height);
+    Ok(text.replacen(&finer, &shown, 1).into_bytes())
+}
+
+/// The page as PNG.
+fn png(page: &ink::Page) -> Result<Vec<u8>, String> {
+    let size = ((page.width * PIXELS) as u32, (page.height * PIXELS) as u32);
+    let mut pixels = vec![0; 3 * (size.0 * size.1) as usize];
+    page.draw(&BitMapBackend::with_buffer(&mut pixels, size).into_drawing_area(), PIXELS, false)?;
+    text::set_texts(&mut pixels, size.0 as usize, PIXELS, page.texts());
+    let mut bytes = Vec::new();
+    let mut encoder = ::png::Encoder::new(&mut bytes, size.0, size.1);
+    encoder.set_color(::png::ColorType::Rgb);
+    encoder.set_depth(::png::BitDepth::Eight);
+    encoder.set_compression(::png::Compression::Fast);
+    encoder.set_filter(::png::FilterType::Up);
+    let mut writer = encoder.write_header().map_err(|e| e.to_string())?;
+    writer.write_image_data(&pixels).map_err(|e| e.to_string())?;
+    writer.finish().map_err(|e| e.to_string())?;
+    Ok(bytes)
+}

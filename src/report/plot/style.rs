@@ -1,0 +1,91 @@
+//! The look of plots: colours that the colour-blind can tell apart, and marks that differ without colour too.
+
+use plotters::style::RGBColor;
+
+use crate::sampling::Strategy;
+
+pub type Colour = RGBColor;
+
+/// The family that an SVG asks for; Verdana has the same widths as the embedded font.
+pub const FONT: &str = "DejaVu Sans, Verdana, sans-serif";
+
+pub const INK: Colour = RGBColor(0x22, 0x22, 0x22);
+pub const GREY: Colour = RGBColor(0x66, 0x66, 0x66);
+pub const GUIDE: Colour = RGBColor(0x99, 0x99, 0x99);
+pub const GRID: Colour = RGBColor(0xe4, 0xe4, 0xe4);
+
+/// Sizes of text, points.
+pub const TITLE: f64 = 16.0;
+pub const TEXT: f64 = 12.5;
+pub const SMALL: f64 = 11.5;
+
+/// How a line is broken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dash {
+    Solid,
+    Dashed,
+    Dotted,
+    DashDot,
+}
+
+impl Dash {
+    /// Lengths of dash and gap in turn, points; `None` where the line is whole.
+    pub fn lengths(self) -> Option<&'static [f64]> {
+        match self {
+            Dash::Solid => None,
+            Dash::Dashed => Some(&[7.0, 4.0]),
+            Dash::Dotted => Some(&[1.8, 3.2]),
+            Dash::DashDot => Some(&[8.0, 3.0, 1.8, 3.0]),
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Marker {
+    Circle,
+    Square,
+    Triangle,
+    Diamond,
+}
+
+impl Marker {
+    /// Corners around the middle for size 1, y downwards; all markers cover about the same area.
+    pub fn outline(self) -> &'static [(f64, f64)] {
+        match self {
+            Marker::Circle => &[],
+            Marker::Square => &[(-0.9, -0.9), (0.9, -0.9), (0.9, 0.9), (-0.9, 0.9)],
+            Marker::Triangle => &[(0.0, -1.3), (1.2, 0.8), (-1.2, 0.8)],
+            Marker::Diamond => &[(0.0, -1.3), (1.2, 0.0), (0.0, 1.3), (-1.2, 0.0)],
+        }
+    }
+}
+
+/// How one series looks everywhere.
+#[derive(Clone, Copy, Debug)]
+pub struct Look {
+    pub colour: Colour,
+    pub marker: Marker,
+    pub dash: Dash,
+}
+
+/// Colours of Okabe and Ito (2008): blue, vermilion, bluish green.
+pub fn look(strategy: Strategy) -> Look {
+    match strategy {
+        Strategy::Random => Look { colour: RGBColor(0x00, 0x72, 0xb2), marker: Marker::Circle, dash: Dash::Solid },
+        Strategy::Correlated => {
+            Look { colour: RGBColor(0xd5, 0x5e, 0x00), marker: Marker::Square, dash: Dash::Dashed }
+        }
+        Strategy::Stratified => {
+            Look { colour: RGBColor(0x00, 0x9e, 0x73), marker: Marker::Triangle, dash: Dash::DashDot }
+        }
+    }
+}
+
+/// What people read for a strategy.
+pub fn shown(strategy: Strategy) -> &'static str {
+    match strategy {
+        Strategy::Random => "random",
+        Strategy::Correlated => "shared points",
+        Strategy::Stratified => "stratified",
+    }
+}

@@ -1,0 +1,214 @@
+//! The verdicts as a table for people at a terminal.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use crate::statistics::Verdict;
+use crate::trial::{JudgedProperty, RunOutcome};
+
+/// How the table is laid out.
+#[derive(Clone, Copy, Debug)]
+pub struct TableOptions<'a> {
+    /// Colours by terminal escape sequences.
+    pub styled: bool,
+    /// Columns that the terminal has; a line is never longer, except commands, which are to be copied whole.
+    pub width: usize,
+    /// Where the report lies, for the last line.
+    pub report: Option<&'a Path>,
+}
+
+impl Default for TableOptions<'_> {
+    fn default() -> Self {
+        TableOptions { styled: false, width: 100, report: None }
+    }
+}
+
+/// A case's name keeps at least this many characters.
+const NARROWEST_NAME: usize = 8;
+/// Beyond this a table is harder to read across, not easier.
+const WIDEST: usize = 120;
+
+/// One verdict with where it belongs.
+struct Line<'a> {
+    case: &'a str,
+    strategy: &'static str,
+    judged: &'a JudgedProperty,
+}
+
+/// One line a verdict; then each failure again with its number, its threshold and the command that reproduces it, what
+/// undecided verdicts lack, a summary, and where the report lies.
+pub fn table(outcome: &RunOutcome, options: &TableOptions) -> String {
+    let lines: Vec<Line> = outcome
+        .cases
+        .iter()
+        .flat_map(|case| {
+            case.strategies.iter().flat_map(move |s| {
+                s.verdicts.iter().map(move |judged| Line { case: &case.name, strategy: s.strategy.name(), judged })
+            })
+        })
+        .collect();
+    let mut text = String::new();
+    write_lines(&mut text, &lines, options);
+    for line in lines.iter().filter(|l| l.judged.verdict == Verdict::Fail) {
+        write_failure(&mut text, line, options);
+    }
+    for line in lines.iter().filter(|l| l.judged.verdict == Verdict::Undecided) {
+        let word = word(Verdict::Undecided, options.styled);
+        let _ = write!(text, "\n{word} {} {} {}\n", line.case, line.strategy, line.judged.property);
+        write_wrapped(&mut text, &line.judged.words, options.width);
+    }
+    let count = |verdict| lines.iter().filter(|l| l.judged.verdict == verdict).count();
+    let (passed, failed, undecided) = (count(Verdict::Pass), count(Verdict::Fail), count(Verdict::Undecided));
+    let verdicts = if lines.len() == 1 { "verdict" } else { "verdicts" };
+    let _ = write!(text, "\n{} {verdicts}: {passed} passed, {failed} failed, {undecided} undecided\n", lines.len());
+    if let Some(path) = options.report {
+        let _ = writeln!(text, "report: {}", path.display());
+    }
+    text
+}
+
+fn write_lines(text: &mut String, lines: &[Line], options: &TableOptions) {
+    let head = ["verdict", "case", "strategy", "property", "effect (95 %)", "seen from", "evidence"];
+    let rows: Vec<[String; 7]> = lines
+        .iter()
+        .map(|l| {
+            [
+                plain_word(l.judged.verdict).to_owned(),
+                l.case.to_owned(),
+                l.strategy.to_owned(),
+                l.judged.property.to_owned(),
+                effect(l.judged),
+                smallest_bias(l.judged),
+                format!("{:.1}", l.judged.evidence + 0.0).replace('-', "−"),
+            ]
+        })
+        .collect();
+    let width = |s: &str| s.chars().count();
+    let mut widths = head.map(width);
+    for row in &rows {
+        row.iter().enumerate().for_each(|(i, cell)| widths[i] = widths[i].max(width(cell)));
+    }
+    let gaps = 2 * (head.len() - 1);
+    let others = widths.iter().sum::<usize>() - widths[1] + gaps;
+    widths[1] = widths[1].min(options.width.min(WIDEST).saturating_sub(others).max(NARROWEST_NAME));
+    let mut put = |row: &[String; 7], verdict: Option<Verdict>| {
+        let mut line = String::new();
+        for (i, cell) in row.iter().enumerate() {
+            let cell = if i == 1 { shortened(cell, widths[1]) } else { cell.clone() };
+            let pad = " ".repeat(widths[i] - width(&cell));
+            let cell = match verdict {
+                Some(verdict) if i == 0 => word(verdict, options.styled),
+                _ => cell,
+            };
+            match i {
+                // Numbers end where their column ends.
+                4.. => write!(line, "{pad}{cell}  "),
+                _ => write!(line, "{cell}{pad}  "),
+            }
+            .expect("text grows");
+        }
+        let _ = writeln!(text, "{}", line.trim_end());
+    };
+    put(&head.map(str::to_owned), None);
+    rows.iter().zip(lines).for_each(|(row, line)| put(row, Some(line.judged.verdict)));
+}
+
+fn write_failure(text: &mut String, line: &Line, options: &TableOptions) {
+    let judged = line.judged;
+    let word = word(Verdict::Fail, options.styled);
+    let _ = write!(text, "\n{word} {} {} {}\n", line.case, line.strategy, judged.property);
+    write_wrapped(text, &judged.words, options.width);
+    let [low, high] = [judged.effect_low, judged.effect_high].map(|x| signed(100.0 * x, 2));
+    let numbers = format!(
+        "effect {} % (95 %: {low} % to {high} %); evidence 10^{:.1} against correctness, a failure from 10^{:.0}",
+        signed(100.0 * judged.effect, 2),
+        judged.evidence,
+        judged.threshold
+    );
+    write_wrapped(text, &numbers, options.width);
+    let _ = writeln!(text, "     again: {}", judged.reproduce);
+}
+
+/// Indented, broken between words.
+fn write_wrapped(text: &mut String, words: &str, width: usize) {
+    const INDENT: &str = "     ";
+    let mut used = 0;
+    for word in words.split_whitespace() {
+        let length = word.chars().count();
+        if used > 0 && used + 1 + length <= width {
+            text.push(' ');
+            used += 1 + length;
+        } else {
+            if used > 0 {
+                text.push('\n');
+            }
+            text.push_str(INDENT);
+            used = INDENT.len() + length;
+        }
+        text.push_str(word);
+    }
+    if used > 0 {
+        text.push('\n');
+    }
+}
+
+fn plain_word(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Pass => "PASS",
+        Verdict::Fail => "FAIL",
+        Verdict::Undecided => "UNDECIDED",
+    }
+}
+
+fn word(verdict: Verdict, styled: bool) -> String {
+    let plain = plain_word(verdict);
+    let colour = match verdict {
+        Verdict::Pass => "32",
+        Verdict::Fail => "31",
+        Verdict::Undecided => "33",
+    };
+    if styled { format!("\x1b[1;{colour}m{plain}\x1b[0m") } else { plain.to_owned() }
+}
+
+/// Relative deviation in percent with half its interval: `+0.012 ± 0.034 %`.
+fn effect(judged: &JudgedProperty) -> String {
+    let half = 50.0 * (judged.effect_high - judged.effect_low);
+    let decimals = decimals_for(half, 2);
+    format!("{} ± {} %", signed(100.0 * judged.effect, decimals), unsigned(half, decimals))
+}
+
+/// `0.52 % / 8.1 %`: mean and worst point.
+fn smallest_bias(judged: &JudgedProperty) -> String {
+    let percent = |x: Option<f64>| x.map_or("–".to_owned(), |x| unsigned(100.0 * x, decimals_for(100.0 * x, 2)));
+    match (judged.smallest_bias_mean, judged.smallest_bias_point) {
+        (None, None) => "–".to_owned(),
+        (mean, point) => format!("{} / {} %", percent(mean), percent(point)),
+    }
+}
+
+/// Decimals that show `digits` significant digits of x, at most six.
+fn decimals_for(x: f64, digits: i32) -> usize {
+    if x == 0.0 || !x.is_finite() {
+        return 0;
+    }
+    (digits - 1 - x.abs().log10().floor() as i32).clamp(0, 6) as usize
+}
+
+fn signed(x: f64, decimals: usize) -> String {
+    format!("{x:+.decimals$}").replace('-', "−")
+}
+
+fn unsigned(x: f64, decimals: usize) -> String {
+    format!("{x:.decimals$}")
+}
+
+/// The name, its middle cut out where it is too long: `penum…lipse`.
+fn shortened(name: &str, width: usize) -> String {
+    let n = name.chars().count();
+    if n <= width {
+        return name.to_owned();
+    }
+    let tail = (width - 1) / 2;
+    let head = width - 1 - tail;
+    name.chars().take(head).chain(['…']).chain(name.chars().skip(n - tail)).collect()
+}
