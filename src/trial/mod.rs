@@ -1,7 +1,21 @@
 //! A run: which estimates are made, what came of them, and what follows.
+//!
+//! A pilot of its own streams estimates the variance of each cell (strategy and sample count); the plan turns that into
+//! replicates; the measurement is judged against the exact side. A run is a list of work units, each a pure function of
+//! its key, and their results are merged in the order of the list: one thread or many give the same bytes.
 
+mod correlation;
+mod judge;
+mod measure;
 mod outcome;
+mod peak;
+mod plan;
+mod rates;
+mod run;
+mod settings;
 
 pub use outcome::{
     CaseOutcome, Cell, Correlation, JudgedProperty, Measured, Rate, RatePoint, RunOutcome, StrategyOutcome, Timing,
 };
+pub use run::{Progress, TrialError, run};
+pub use settings::{Effort, Overrides, Settings};

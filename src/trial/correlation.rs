@@ -1,0 +1,144 @@
+//! Do the errors of neighbouring points move together?
+
+use super::measure::{CellSums, Prepared};
+use super::outcome::Correlation;
+use crate::configuration::Arrangement;
+
+/// Groups of replicates for the delete-a-group jackknife.
+const GROUPS: usize = 16;
+/// Student's t with 15 degrees of freedom, two-sided 95 %.
+const T_95: f64 = 2.131_449_545_559_323;
+/// Separations of scattered points are gathered into this many bins.
+const BINS: usize = 32;
+/// Scattered points beyond this many are thinned evenly: pairs grow with the square.
+const MOST_POINTS: usize = 128;
+
+/// Pairs of points at one separation.
+struct Separation {
+    metres: f64,
+    pairs: Vec<(usize, usize)>,
+}
+
+/// Correlation of the errors against separation, for each cell: the mean over the pairs at that separation, with a
+/// jackknife interval over the replicates on Fisher's scale. Points whose estimates never vary take no part.
+pub(super) fn correlations(prepared: &Prepared, cells: &[CellSums]) -> Vec<Correlation> {
+    let separations = separations(prepared);
+    let n_points = prepared.exact.len();
+    let mut found = Vec::new();
+    for cell in cells {
+        let rows = cell.kept.len() / n_points;
+        if rows < 2 * GROUPS {
+            continue;
+        }
+        let groups: Vec<&[f64]> = {
+            let edge = |g: usize| g * rows / GROUPS * n_points;
+            (0..GROUPS).map(|g| &cell.kept[edge(g)..edge(g + 1)]).collect()
+        };
+        // First and second moments of each group for each point, so that leaving a group out is a subtraction.
+        let single: Vec<Vec<[f64; 2]>> = groups.iter().map(|g| point_sums(g, n_points)).collect();
+        for separation in &separations {
+            let pair_sums: Vec<Vec<f64>> = groups
+                .iter()
+                .map(|group| {
+                    separation
+                        .pairs
+                        .iter()
+                        .map(|(i, j)| group.chunks_exact(n_points).map(|row| row[*i] * row[*j]).sum())
+                        .collect()
+                })
+                .collect();
+            let without = |left_out: Option<usize>| {
+                let kept = || (0..GROUPS).filter(move |g| Some(*g) != left_out);
+                let n: usize = kept().map(|g| groups[g].len() / n_points).sum();
+                mean_correlation(separation, n as f64, &|p| {
+                    kept().fold([0.0; 2], |sum, g| [sum[0] + single[g][p][0], sum[1] + single[g][p][1]])
+                }, &|pair| kept().map(|g| pair_sums[g][pair]).sum())
+            };
+            let Some(correlation) = without(None) else { continue };
+            let parts: Option<Vec<f64>> = (0..GROUPS).map(|g| without(Some(g)).map(fisher)).collect();
+            let Some(parts) = parts else { continue };
+            let middle = parts.iter().sum::<f64>() / GROUPS as f64;
+            let spread: f64 = parts.iter().map(|z| (z - middle) * (z - middle)).sum();
+            let reach = T_95 * (spread * (GROUPS - 1) as f64 / GROUPS as f64).sqrt();
+            let z = fisher(correlation);
+            found.push(Correlation {
+                samples: cell.samples,
+                separation: separation.metres,
+                correlation,
+                low: (z - reach).tanh(),
+                high: (z + reach).tanh(),
+                predicted: None,
+            });
+        }
+    }
+    found
+}
+
+/// Fisher's z, kept finite for errors that are proportional.
+fn fisher(correlation: f64) -> f64 {
+    correlation.clamp(-1.0 + 1e-15, 1.0 - 1e-15).atanh()
+}
+
+fn point_sums(rows: &[f64], n_points: usize) -> Vec<[f64; 2]> {
+    let mut sums = vec![[0.0; 2]; n_points];
+    for row in rows.chunks_exact(n_points) {
+        for (sum, x) in sums.iter_mut().zip(row) {
+            sum[0] += x;
+            sum[1] += x * x;
+        }
+    }
+    sums
+}
+
+/// Mean over the pairs of their correlation coefficient; `None` where no pair varies.
+fn mean_correlation(
+    separation: &Separation,
+    n: f64,
+    sums: &dyn Fn(usize) -> [f64; 2],
+    products: &dyn Fn(usize) -> f64,
+) -> Option<f64> {
+    let (mut total, mut count) = (0.0, 0_u32);
+    for (pair, (i, j)) in separation.pairs.iter().enumerate() {
+        let ([s_i, q_i], [s_j, q_j]) = (sums(*i), sums(*j));
+        let (v_i, v_j) = (q_i - s_i * s_i / n, q_j - s_j * s_j / n);
+        if v_i > 1e-12 * q_i && v_j > 1e-12 * q_j {
+            total += (products(pair) - s_i * s_j / n) / (v_i * v_j).sqrt();
+            count += 1;
+        }
+    }
+    (count > 0).then(|| (total / f64::from(count)).clamp(-1.0, 1.0))
+}
+
+/// Along a line: every multiple of the spacing. Else: pairs gathered by distance.
+fn separations(prepared: &Prepared) -> Vec<Separation> {
+    let configuration = &prepared.case.configuration;
+    let points = configuration.points();
+    let between = |i: usize, j: usize| (points[i].position() - points[j].position()).length();
+    if configuration.arrangement() == Arrangement::Line {
+        return (1..points.len())
+            .map(|k| {
+                let pairs: Vec<_> = (0..points.len() - k).map(|i| (i, i + k)).collect();
+                let metres = pairs.iter().map(|(i, j)| between(*i, *j)).sum::<f64>() / pairs.len() as f64;
+                Separation { metres, pairs }
+            })
+            .collect();
+    }
+    let step = points.len().div_ceil(MOST_POINTS).max(1);
+    let mut pairs: Vec<(f64, (usize, usize))> = Vec::new();
+    for i in (0..points.len()).step_by(step) {
+        pairs.extend((i + step..points.len()).step_by(step).map(|j| (between(i, j), (i, j))));
+    }
+    let longest = pairs.iter().map(|(d, _)| *d).fold(0.0, f64::max);
+    let mut bins: Vec<Vec<(f64, (usize, usize))>> = vec![Vec::new(); BINS];
+    for pair in pairs {
+        let share = if longest > 0.0 { pair.0 / longest } else { 0.0 };
+        bins[((share * BINS as f64) as usize).min(BINS - 1)].push(pair);
+    }
+    bins.into_iter()
+        .filter(|bin| !bin.is_empty())
+        .map(|bin| Separation {
+            metres: bin.iter().map(|(d, _)| d).sum::<f64>() / bin.len() as f64,
+            pairs: bin.into_iter().map(|(_, pair)| pair).collect(),
+        })
+        .collect()
+}

@@ -1,0 +1,215 @@
+//! Where truth meets evidence: one verdict on the bias of a case under one strategy.
+//!
+//! The statement: at every sample count the mean estimate at every point lies in the exact value's interval. Its evidence
+//! is the average of the capitals of many components (see [`crate::statistics::evidence`]): each point, the mean and
+//! low-order contrasts over the points, at each sample count by itself and at all of them together (a product, since
+//! sample counts draw from independent streams). An average of such capitals is one, whatever depends on whatever.
+
+use super::measure::{CellSums, Prepared};
+use super::outcome::JudgedProperty;
+use super::plan::{CellPlan, margin, point_margin};
+use crate::case::{Replicates, Study};
+use crate::sampling::Strategy;
+use crate::statistics::evidence::{THRESHOLD_LOG10, ln_average, log10_capped};
+use crate::statistics::{Capital, Observed, PowerSums, Statement, Verdict};
+
+/// Two-sided 95 % of a normal distribution.
+const Z_95: f64 = 1.959_963_984_540_054;
+
+/// What a component is about.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Subject {
+    Point(usize),
+    /// 0 is the mean over the points.
+    Contrast(usize),
+}
+
+/// Judges the bias of one case under one strategy.
+///
+/// - `cells`, `plans`: one for each sample count, in the same order
+/// - `reproduce`: the command line that gives the same verdict
+pub(super) fn bias(
+    prepared: &Prepared,
+    study: &Study,
+    strategy: Strategy,
+    cells: &[CellSums],
+    plans: &[CellPlan],
+    reproduce: String,
+) -> JudgedProperty {
+    let subjects = (0..prepared.exact.len())
+        .map(Subject::Point)
+        .chain((0..prepared.contrasts.weights.len()).map(Subject::Contrast));
+    // (ln capital, subject, cell or None for all together)
+    let mut components: Vec<(f64, Subject, Option<usize>)> = Vec::new();
+    for subject in subjects {
+        let mut together = Capital::new();
+        for (index, (cell, plan)) in cells.iter().zip(plans).enumerate() {
+            let capital = capital(prepared, study, subject, cell, plan);
+            together.times(&capital);
+            components.push((capital.ln(), subject, Some(index)));
+        }
+        components.push((together.ln(), subject, None));
+    }
+    debug_assert_eq!(components.len(), super::plan::components(prepared, study), "the plan's power counts on this many");
+    let evidence = log10_capped(ln_average(components.iter().map(|(ln, ..)| *ln)));
+    let biases = || plans.iter().map(|plan| plan.smallest_biases(prepared, study));
+    let worst = |pick: fn((Option<f64>, Option<f64>)) -> Option<f64>| biases().filter_map(pick).reduce(f64::max);
+    let (mean, point) = (worst(|b| b.0), worst(|b| b.1));
+    let seen = |found: Option<f64>, asked: f64| found.is_none_or(|found| found <= asked * (1.0 + 1e-9));
+    let verdict = if evidence >= THRESHOLD_LOG10 {
+        Verdict::Fail
+    } else if seen(mean, study.smallest_bias.mean) && seen(point, study.smallest_bias.point) {
+        Verdict::Pass
+    } else {
+        Verdict::Undecided
+    };
+    let (_, subject, at) = *components
+        .iter()
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .expect("a case has points and a study has sample counts");
+    let shown = if verdict == Verdict::Fail { (subject, at) } else { (Subject::Contrast(0), None) };
+    let effect = effect(prepared, shown.0, shown.1, cells);
+    let words = match verdict {
+        Verdict::Fail => fail_words(prepared, strategy, shown, cells, effect),
+        Verdict::Pass => pass_words(mean, point),
+        Verdict::Undecided => undecided_words(prepared, study, plans, mean, point),
+    };
+    JudgedProperty {
+        property: "bias",
+        verdict,
+        evidence,
+        threshold: THRESHOLD_LOG10,
+        effect: effect.0,
+        effect_low: effect.0 - Z_95 * effect.1,
+        effect_high: effect.0 + Z_95 * effect.1,
+        smallest_bias_mean: mean,
+        smallest_bias_point: point,
+        words,
+        reproduce,
+    }
+}
+
+fn sums<'a>(cell: &'a CellSums, subject: Subject) -> &'a PowerSums {
+    match subject {
+        Subject::Point(p) => &cell.points[p],
+        Subject::Contrast(k) => &cell.contrasts[k],
+    }
+}
+
+fn capital(prepared: &Prepared, study: &Study, subject: Subject, cell: &CellSums, plan: &CellPlan) -> Capital {
+    let (exact, margin, variance) = match subject {
+        Subject::Point(p) => (prepared.exact[p], point_margin(&prepared.truths[p], study), plan.point_variances[p]),
+        Subject::Contrast(k) => (
+            prepared.contrasts.exact[k],
+            margin(prepared, study, &prepared.contrasts.weights[k]),
+            plan.contrast_variances[k],
+        ),
+    };
+    let statement = Statement::near(exact, margin, variance);
+    Capital::of(&statement, &Observed::values(sums(cell, subject)), plan.replicates)
+}
+
+/// Relative deviation and its standard error, of one cell or of all weighed by their precision. A contrast is taken
+/// relative to the mean; where the exact value is zero, relative to the unoccluded irradiance.
+fn effect(prepared: &Prepared, subject: Subject, at: Option<usize>, cells: &[CellSums]) -> (f64, f64) {
+    let unoccluded = |p: usize| prepared.truths[p].unoccluded_irradiance.watts_per_square_metre();
+    let scale = match subject {
+        Subject::Point(p) if prepared.exact[p] > 0.0 => prepared.exact[p],
+        Subject::Point(p) => unoccluded(p),
+        Subject::Contrast(_) if prepared.contrasts.exact[0] > 0.0 => prepared.contrasts.exact[0],
+        Subject::Contrast(_) => (0..prepared.exact.len()).map(unoccluded).sum::<f64>() / prepared.exact.len() as f64,
+    };
+    let chosen = cells.iter().enumerate().filter(|(index, _)| at.is_none_or(|at| at == *index));
+    let (mut weight, mut weighed) = (0.0, 0.0);
+    let mut constant = None;
+    for (_, cell) in chosen {
+        let sums = sums(cell, subject);
+        let (deviation, error) = (sums.mean_deviation().unwrap_or(0.0), sums.std_error().unwrap_or(0.0));
+        if error > 0.0 {
+            weight += 1.0 / (error * error);
+            weighed += deviation / (error * error);
+        } else {
+            constant = Some(deviation);
+        }
+    }
+    let (deviation, error) = match constant {
+        // A mean without spread outweighs all others.
+        Some(deviation) => (deviation, 0.0),
+        None if weight > 0.0 => (weighed / weight, weight.sqrt().recip()),
+        None => (0.0, 0.0),
+    };
+    if scale > 0.0 { (deviation / scale, error / scale) } else { (deviation, error) }
+}
+
+fn percent(x: f64) -> String {
+    format!("{:.2} %", 100.0 * x)
+}
+
+fn pass_words(mean: Option<f64>, point: Option<f64>) -> String {
+    match (mean, point) {
+        (Some(mean), Some(point)) => format!(
+            "no bias above {} in the mean, {} at the worst point that a tenth of the light reaches",
+            percent(mean),
+            percent(point)
+        ),
+        (Some(mean), None) => format!("no bias above {} in the mean; no point is lit by a tenth or more", percent(mean)),
+        (None, _) => "no light is due at any point and none arrived".to_owned(),
+    }
+}
+
+fn fail_words(
+    prepared: &Prepared,
+    strategy: Strategy,
+    (subject, at): (Subject, Option<usize>),
+    cells: &[CellSums],
+    (deviation, error): (f64, f64),
+) -> String {
+    let place = match subject {
+        Subject::Point(p) => {
+            let x = prepared.case.configuration.points()[p].position();
+            format!("at point {p} ({} m, {} m, {} m; {})", x.x, x.y, x.z, prepared.truths[p].region)
+        }
+        Subject::Contrast(0) => "in the mean over the points".to_owned(),
+        Subject::Contrast(k) => format!("in contrast {k} along the points, relative to the mean"),
+    };
+    let count = at.map_or("all sample counts together".to_owned(), |index| format!("N = {}", cells[index].samples));
+    format!(
+        "{strategy} is biased by {:+.3} % ± {:.3} % {place}, {count}",
+        100.0 * deviation,
+        100.0 * Z_95 * error
+    )
+}
+
+fn undecided_words(
+    prepared: &Prepared,
+    study: &Study,
+    plans: &[CellPlan],
+    mean: Option<f64>,
+    point: Option<f64>,
+) -> String {
+    let asked = study.smallest_bias;
+    let found = |x: Option<f64>| x.map_or("nothing".to_owned(), percent);
+    let mut factor = 1.0_f64;
+    for (found, asked) in [(mean, asked.mean), (point, asked.point)] {
+        if let Some(found) = found {
+            factor = factor.max((found / asked) * (found / asked));
+        }
+    }
+    let replicates = plans.iter().map(|plan| plan.replicates as f64 * factor).fold(0.0, f64::max);
+    let how = if !replicates.is_finite() {
+        "no number of replicates is enough".to_owned()
+    } else if matches!(study.replicates, Replicates::Fixed(_)) {
+        format!("about {replicates:.0} replicates would do (or --replicates auto)")
+    } else {
+        format!("about {replicates:.0} replicates would do (--replicates), beyond what auto spends on a case")
+    };
+    format!(
+        "too little evidence: a bias of {} in the mean ({} asked) and {} at the worst of {} points ({} asked) would have been seen; {how}",
+        found(mean),
+        percent(asked.mean),
+        found(point),
+        prepared.exact.len(),
+        percent(asked.point)
+    )
+}
+

@@ -1,0 +1,178 @@
+//! One cell of a study: all points, one strategy, one sample count, many replicates.
+
+use std::f64::consts::PI;
+use std::ops::Range;
+use std::time::Instant;
+
+use rayon::prelude::*;
+
+use crate::case::Case;
+use crate::estimator::{AreaEstimator, Scratch};
+use crate::oracle::Truth;
+use crate::sampling::{Purpose, Strategy, StreamKey};
+use crate::statistics::PowerSums;
+
+/// Parts that a cell's replicates are split into: units of work, and batches whose spread tells how sure a variance is.
+pub(super) const BATCHES: u64 = 32;
+/// Replicates whose estimates are kept whole, for correlations between points.
+pub(super) const KEPT_REPLICATES: u64 = 512;
+/// Points beyond which whole estimates are not kept.
+const KEPT_POINTS: usize = 4096;
+/// Low-order contrasts along the points, beside the mean.
+const CONTRASTS: usize = 4;
+
+/// The mean over the points, and contrasts that a bias with a zero mean cannot all escape: discrete cosines of the
+/// point's place in the list.
+#[derive(Clone, Debug)]
+pub(super) struct Contrasts {
+    /// [contrast][point]; the first is the mean.
+    pub weights: Vec<Vec<f64>>,
+    /// Of the exact values, W/m².
+    pub exact: Vec<f64>,
+}
+
+impl Contrasts {
+    pub fn new(exact: &[f64]) -> Contrasts {
+        let n = exact.len();
+        let weights: Vec<Vec<f64>> = (0..=CONTRASTS.min(n - 1))
+            .map(|k| (0..n).map(|p| (PI * k as f64 * (p as f64 + 0.5) / n as f64).cos() / n as f64).collect())
+            .collect();
+        let exact = weights.iter().map(|row| row.iter().zip(exact).map(|(w, e)| w * e).sum()).collect();
+        Contrasts { weights, exact }
+    }
+}
+
+/// A case made ready: exact values known, surfaces and hierarchies built.
+pub(super) struct Prepared<'a> {
+    pub case: &'a Case,
+    pub seed: u64,
+    pub truths: &'a [Truth],
+    /// Exact irradiance at each point, W/m².
+    pub exact: Vec<f64>,
+    pub estimator: &'a AreaEstimator,
+    pub contrasts: Contrasts,
+}
+
+/// What the replicates of one cell came to.
+pub(super) struct CellSums {
+    pub samples: u64,
+    pub replicates: u64,
+    /// One for each point, about the exact value.
+    pub points: Vec<PowerSums>,
+    /// One for each contrast, about its exact value.
+    pub contrasts: Vec<PowerSums>,
+    /// [batch][point]: mean squared deviation from the exact value within each batch, W²/m⁴.
+    pub batches: Vec<Vec<f64>>,
+    /// [replicate][point], row-major: estimates less exact values of the first replicates, W/m².
+    pub kept: Vec<f64>,
+    /// CPU seconds over all threads.
+    pub seconds: f64,
+}
+
+struct UnitSums {
+    points: Vec<PowerSums>,
+    contrasts: Vec<PowerSums>,
+    kept: Vec<f64>,
+    seconds: f64,
+}
+
+/// Measures a cell. The result does not depend on the number of threads: units are fixed by the replicates alone and
+/// merged in order.
+///
+/// - `progress`: told the shadow rays of each finished unit
+pub(super) fn measure(
+    prepared: &Prepared,
+    purpose: Purpose,
+    strategy: Strategy,
+    samples: u64,
+    replicates: u64,
+    progress: &(dyn Fn(u64) + Sync),
+) -> CellSums {
+    let key = StreamKey::cell(prepared.seed, prepared.case.configuration.digest().key(), purpose, strategy, samples);
+    let units = BATCHES.min(replicates);
+    let ranges = (0..units).map(|k| k * replicates / units..(k + 1) * replicates / units);
+    let n_points = prepared.exact.len();
+    let mut sums = CellSums {
+        samples,
+        replicates,
+        points: prepared.exact.iter().map(|e| PowerSums::about(*e)).collect(),
+        contrasts: prepared.contrasts.exact.iter().map(|e| PowerSums::about(*e)).collect(),
+        batches: Vec::new(),
+        kept: Vec::new(),
+        seconds: 0.0,
+    };
+    // A wave of units at a time, so that memory stays bounded for maps of a million points.
+    let wave = (1_000_000 / n_points).clamp(2, BATCHES as usize);
+    let ranges: Vec<Range<u64>> = ranges.collect();
+    for wave in ranges.chunks(wave) {
+        let done: Vec<UnitSums> = wave
+            .par_iter()
+            .map(|range| {
+                let unit = measure_unit(prepared, strategy, samples, key, range.clone());
+                let rays = prepared.estimator.rays_per_estimate(samples) * n_points as u64;
+                progress(rays * (range.end - range.start));
+                unit
+            })
+            .collect();
+        for unit in done {
+            sums.batches.push(unit.points.iter().map(|s| s.mean_square_deviation().unwrap_or(0.0)).collect());
+            for (total, part) in sums.points.iter_mut().zip(&unit.points) {
+                total.merge(part);
+            }
+            for (total, part) in sums.contrasts.iter_mut().zip(&unit.contrasts) {
+                total.merge(part);
+            }
+            sums.kept.extend(unit.kept);
+            sums.seconds += unit.seconds;
+        }
+    }
+    sums
+}
+
+fn measure_unit(
+    prepared: &Prepared,
+    strategy: Strategy,
+    samples: u64,
+    key: StreamKey,
+    replicates: Range<u64>,
+) -> UnitSums {
+    let start = Instant::now();
+    let exact = &prepared.exact;
+    let points = prepared.case.configuration.points();
+    let mut unit = UnitSums {
+        points: exact.iter().map(|e| PowerSums::about(*e)).collect(),
+        contrasts: prepared.contrasts.exact.iter().map(|e| PowerSums::about(*e)).collect(),
+        kept: Vec::new(),
+        seconds: 0.0,
+    };
+    let mut scratch = Scratch::default();
+    let mut estimates = vec![0.0; points.len()];
+    for replicate in replicates {
+        prepared.estimator.replicate(strategy, samples, key, replicate, points, &mut scratch, &mut estimates);
+        for (sums, estimate) in unit.points.iter_mut().zip(&estimates) {
+            sums.add(*estimate);
+        }
+        for (sums, weights) in unit.contrasts.iter_mut().zip(&prepared.contrasts.weights) {
+            sums.add(dot(weights, &estimates));
+        }
+        if replicate < KEPT_REPLICATES && points.len() <= KEPT_POINTS {
+            unit.kept.extend(estimates.iter().zip(exact).map(|(estimate, exact)| estimate - exact));
+        }
+    }
+    unit.seconds = start.elapsed().as_secs_f64();
+    unit
+}
+
+/// Four partial sums, so that the additions do not wait for one another.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut sums = [0.0; 4];
+    let (a4, a_rest) = a.as_chunks::<4>();
+    let (b4, b_rest) = b.as_chunks::<4>();
+    for (a, b) in a4.iter().zip(b4) {
+        for l in 0..4 {
+            sums[l] += a[l] * b[l];
+        }
+    }
+    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
+    (sums[0] + sums[2]) + (sums[1] + sums[3]) + rest
+}

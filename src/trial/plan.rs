@@ -1,0 +1,150 @@
+//! From a pilot's variances to the replicates that a verdict needs.
+//!
+//! The pilot draws from streams of its own, so what it says is independent of what is judged. Its variances stand in for
+//! exact ones; they are taken on the high side: by two standard errors, and, where a shadow's edge crosses the source,
+//! by what a part of it too small to have been hit could add.
+
+use super::measure::{BATCHES, CellSums, Prepared};
+use super::peak::peak;
+use crate::case::{Replicates, Study};
+use crate::oracle::Region;
+use crate::statistics::PowerSums;
+use crate::statistics::evidence::{replicates_for, smallest_shift};
+
+/// Shadow rays that one cell may cost before `auto` stops and says undecided.
+const MOST_RAYS: u64 = 1 << 32;
+/// Fewest replicates of an automatic plan: enough for a variance and a correlation.
+const FEWEST_REPLICATES: u64 = 128;
+/// Share of the unoccluded irradiance from which on a point must be able to see the `point` bias.
+const WELL_LIT: f64 = 0.1;
+/// An event that had this expected count in the pilot would have been missed with probability e⁻¹².
+const UNSEEN_COUNT: f64 = 12.0;
+
+/// One cell's variances and replicates.
+#[derive(Clone, Debug)]
+pub(super) struct CellPlan {
+    pub samples: u64,
+    pub replicates: u64,
+    /// Upper value of the variance of one estimate at each point, W²/m⁴.
+    pub point_variances: Vec<f64>,
+    /// The same for the mean and each contrast, W²/m⁴.
+    pub contrast_variances: Vec<f64>,
+}
+
+/// Pilot replicates of a cell with N samples.
+pub(super) fn pilot_replicates(samples: u64) -> u64 {
+    (8192 / samples).max(256)
+}
+
+/// Capitals that a verdict averages: each point, the mean and each contrast, at each sample count and pooled.
+pub(super) fn components(prepared: &Prepared, study: &Study) -> usize {
+    (prepared.exact.len() + prepared.contrasts.weights.len()) * (study.samples.len() + 1)
+}
+
+impl CellPlan {
+    pub fn new(prepared: &Prepared, study: &Study, pilot: &CellSums) -> CellPlan {
+        let configuration = &prepared.case.configuration;
+        let n = pilot.samples as f64;
+        let seen = pilot.replicates as f64;
+        // What could hide from the pilot at each point.
+        let unseen: Vec<f64> = configuration
+            .points()
+            .iter()
+            .zip(prepared.truths)
+            .map(|(point, truth)| {
+                let cut = truth.shadow_edge || truth.region == Region::Edge;
+                let part = peak(configuration, point) / n;
+                if cut { part * part * UNSEEN_COUNT / seen } else { 0.0 }
+            })
+            .collect();
+        let point_variances: Vec<f64> = (0..prepared.exact.len())
+            .map(|p| {
+                let ceiling = peak(configuration, &configuration.points()[p]) * prepared.exact[p] / n;
+                // A mean of N independent terms of at most `peak` has no more than this variance, whatever the pilot saw.
+                (upper_variance(&pilot.points[p]) + unseen[p]).min(ceiling)
+            })
+            .collect();
+        let contrast_variances = pilot
+            .contrasts
+            .iter()
+            .zip(&prepared.contrasts.weights)
+            .map(|(sums, weights)| {
+                let hidden: f64 = weights.iter().zip(&unseen).map(|(w, v)| w * w * v).sum();
+                upper_variance(sums) + hidden
+            })
+            .collect();
+        let mut plan = CellPlan { samples: pilot.samples, replicates: 0, point_variances, contrast_variances };
+        plan.replicates = match study.replicates {
+            Replicates::Fixed(n) => n,
+            Replicates::Auto => plan.automatic(prepared, study),
+        };
+        plan
+    }
+
+    /// As many as the smallest biases need.
+    fn automatic(&self, prepared: &Prepared, study: &Study) -> u64 {
+        let m = components(prepared, study);
+        let mut needed = FEWEST_REPLICATES;
+        if let Some((value, margin)) = mean_of(prepared, study) {
+            let shift = study.smallest_bias.mean * value - margin;
+            needed = needed.max(replicates_for(shift, self.contrast_variances[0], m));
+        }
+        for (p, value, margin) in well_lit(prepared, study) {
+            let shift = study.smallest_bias.point * value - margin;
+            needed = needed.max(replicates_for(shift, self.point_variances[p], m));
+        }
+        let rays = prepared.estimator.rays_per_estimate(self.samples) * prepared.exact.len() as u64;
+        let most = (MOST_RAYS / rays).max(FEWEST_REPLICATES);
+        needed.min(most).next_multiple_of(BATCHES)
+    }
+
+    /// The relative biases that would have been caught with 99 % probability, of the mean over the points and at the
+    /// worst of the well-lit points. `None` where no light is due.
+    pub fn smallest_biases(&self, prepared: &Prepared, study: &Study) -> (Option<f64>, Option<f64>) {
+        let m = components(prepared, study);
+        let mean = mean_of(prepared, study).map(|(value, margin)| {
+            (smallest_shift(self.contrast_variances[0], self.replicates, m) + margin) / value
+        });
+        let point = well_lit(prepared, study)
+            .map(|(p, value, margin)| {
+                (smallest_shift(self.point_variances[p], self.replicates, m) + margin) / value
+            })
+            .reduce(f64::max);
+        (mean, point)
+    }
+}
+
+/// Exact mean over the points and the half-width within which no deviation counts, W/m².
+fn mean_of(prepared: &Prepared, study: &Study) -> Option<(f64, f64)> {
+    let value = prepared.contrasts.exact[0];
+    (value > 0.0).then(|| (value, margin(prepared, study, &prepared.contrasts.weights[0])))
+}
+
+/// Half-width of the exact interval of a weighted sum: stated bounds, rounding of the estimates, tolerance.
+pub(super) fn margin(prepared: &Prepared, study: &Study, weights: &[f64]) -> f64 {
+    weights.iter().zip(prepared.truths).map(|(w, truth)| w.abs() * point_margin(truth, study)).sum()
+}
+
+/// The same for one point.
+pub(super) fn point_margin(truth: &crate::oracle::Truth, study: &Study) -> f64 {
+    // An estimate is a sum of positive terms, each off by a few roundings.
+    const ROUNDING: f64 = 16.0 * f64::EPSILON;
+    let value = truth.irradiance.watts_per_square_metre();
+    truth.bound.watts_per_square_metre() + (ROUNDING + study.tolerance) * value
+}
+
+/// Points that a tenth or more of the light reaches: index, exact value, half-width, W/m².
+fn well_lit<'a>(prepared: &'a Prepared, study: &'a Study) -> impl Iterator<Item = (usize, f64, f64)> + 'a {
+    prepared.truths.iter().enumerate().filter_map(move |(p, truth)| {
+        let value = truth.irradiance.watts_per_square_metre();
+        let lit = value > 0.0 && value >= WELL_LIT * truth.unoccluded_irradiance.watts_per_square_metre();
+        lit.then(|| (p, value, point_margin(truth, study)))
+    })
+}
+
+/// A pilot's variance plus two of its standard errors.
+fn upper_variance(sums: &PowerSums) -> f64 {
+    let variance = sums.variance().unwrap_or(0.0);
+    let spread = sums.kurtosis().map_or(0.0, |kurtosis| ((kurtosis - 1.0) / sums.count() as f64).sqrt());
+    variance * (1.0 + 2.0 * spread)
+}

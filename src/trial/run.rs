@@ -1,0 +1,259 @@
+//! Runs a study over cases: exact values, pilot, plan, measurement, judgement.
+
+use std::time::Instant;
+
+use rand::RngExt;
+use thiserror::Error;
+
+use super::correlation::correlations;
+use super::judge;
+use super::measure::{CellSums, Contrasts, Prepared, measure};
+use super::outcome::{CaseOutcome, Cell, Measured, RunOutcome, StrategyOutcome, Timing};
+use super::plan::{CellPlan, pilot_replicates};
+use super::rates::rates;
+use super::settings::Settings;
+use crate::case::{Case, Study};
+use crate::configuration::{Configuration, MeasurementPoint};
+use crate::estimator::AreaEstimator;
+use crate::geometry::{DVec3, Shape};
+use crate::oracle::{Oracle, OracleError, Truth};
+use crate::sampling::{
+    BLOCK, LANES, Lanes, Pattern, Purpose, Squares, Strategy, Stream, StreamKey, Surface, SurfaceBlock,
+};
+use crate::scene::Hierarchy;
+use crate::statistics::interval;
+
+/// Shadow rays that compare each mesh's hierarchy with brute force.
+const COMPARED_RAYS: u64 = 4096;
+const LEVEL: f64 = 0.95;
+
+/// What a run tells while it goes on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Progress<'a> {
+    /// A case begins; its name.
+    Case(&'a str),
+    /// A cell was planned to cost this many more shadow rays.
+    Planned(u64),
+    /// This many shadow rays were traced.
+    Traced(u64),
+}
+
+/// Why a run ended without an outcome.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum TrialError {
+    /// The exact side has no answer for a case.
+    #[error("{case}: {source}")]
+    NoTruth { case: String, source: OracleError },
+    /// A hierarchy and brute force disagreed on a shadow ray: a fault of this program.
+    #[error("{case}: the hierarchy over mesh {mesh} and brute force disagree on a shadow ray from {from} to {to}")]
+    HierarchyDisagrees { case: String, mesh: usize, from: DVec3, to: DVec3 },
+}
+
+/// Measures and judges every case.
+pub fn run(
+    cases: &[Case],
+    settings: &Settings,
+    progress: &(dyn Fn(Progress) + Sync),
+) -> Result<RunOutcome, TrialError> {
+    // All exact sides first: a case without one is told before any work is spent.
+    let oracles = cases
+        .iter()
+        .map(|case| {
+            Oracle::new(&case.configuration)
+                .map_err(|source| TrialError::NoTruth { case: case.name.clone(), source })
+        })
+        .collect::<Result<Vec<_>, _>>()?;
+    let cases = cases
+        .iter()
+        .zip(&oracles)
+        .map(|(case, oracle)| {
+            progress(Progress::Case(&case.name));
+            run_case(case, oracle, settings, progress)
+        })
+        .collect::<Result<Vec<_>, _>>()?;
+    Ok(RunOutcome { seed: settings.seed, command: settings.command(&[], None), cases })
+}
+
+fn run_case(
+    case: &Case,
+    oracle: &Oracle,
+    settings: &Settings,
+    progress: &(dyn Fn(Progress) + Sync),
+) -> Result<CaseOutcome, TrialError> {
+    let study = settings.study(&case.study);
+    let start = Instant::now();
+    let truths: Vec<Truth> = case.configuration.points().iter().map(|point| oracle.at(point)).collect();
+    let mut timings = vec![Timing {
+        stage: "exact",
+        rays: truths.len() as u64,
+        seconds: start.elapsed().as_secs_f64(),
+        efficiency: None,
+    }];
+    let exact: Vec<f64> = truths.iter().map(|truth| truth.irradiance.watts_per_square_metre()).collect();
+    let estimator = AreaEstimator::new(&case.configuration);
+    let contrasts = Contrasts::new(&exact);
+    let prepared = Prepared { case, seed: settings.seed, truths: &truths, exact, estimator: &estimator, contrasts };
+    let strategies = study
+        .strategies
+        .iter()
+        .map(|strategy| {
+            let reproduce = settings.command(&[&case.name], Some(*strategy));
+            run_strategy(&prepared, &study, *strategy, reproduce, progress)
+        })
+        .collect();
+    timings.extend(compare_hierarchies(case, settings.seed)?);
+    Ok(CaseOutcome {
+        name: case.name.clone(),
+        title: case.title.clone(),
+        digest: case.configuration.digest(),
+        arrangement: case.configuration.arrangement(),
+        albedo: case.configuration.albedo(),
+        points: case.configuration.points().to_vec(),
+        truths,
+        strategies,
+        timings,
+    })
+}
+
+fn run_strategy(
+    prepared: &Prepared,
+    study: &Study,
+    strategy: Strategy,
+    reproduce: String,
+    progress: &(dyn Fn(Progress) + Sync),
+) -> StrategyOutcome {
+    let traced = |rays: u64| progress(Progress::Traced(rays));
+    let rays_of = |samples: u64, replicates: u64| {
+        prepared.estimator.rays_per_estimate(samples) * prepared.exact.len() as u64 * replicates
+    };
+    let (mut pilot_rays, mut pilot_seconds) = (0, 0.0);
+    let plans: Vec<CellPlan> = study
+        .samples
+        .iter()
+        .map(|samples| {
+            let replicates = pilot_replicates(*samples);
+            progress(Progress::Planned(rays_of(*samples, replicates)));
+            let pilot = measure(prepared, Purpose::Pilot, strategy, *samples, replicates, &traced);
+            pilot_rays += rays_of(*samples, replicates);
+            pilot_seconds += pilot.seconds;
+            CellPlan::new(prepared, study, &pilot)
+        })
+        .collect();
+    for plan in &plans {
+        progress(Progress::Planned(rays_of(plan.samples, plan.replicates)));
+    }
+    let cells: Vec<CellSums> = plans
+        .iter()
+        .map(|plan| measure(prepared, Purpose::Measurement, strategy, plan.samples, plan.replicates, &traced))
+        .collect();
+    let rays = plans.iter().map(|plan| rays_of(plan.samples, plan.replicates)).sum();
+    let timings = vec![
+        Timing { stage: "pilot", rays: pilot_rays, seconds: pilot_seconds, efficiency: None },
+        Timing {
+            stage: "measure",
+            rays,
+            seconds: cells.iter().map(|cell| cell.seconds).sum(),
+            efficiency: cells.last().and_then(|cell| efficiency(cell, prepared.exact.len())),
+        },
+    ];
+    StrategyOutcome {
+        strategy,
+        rates: rates(prepared, strategy, &cells),
+        correlations: correlations(prepared, &cells),
+        verdicts: vec![judge::bias(prepared, study, strategy, &cells, &plans, reproduce)],
+        cells: cells.iter().map(shown).collect(),
+        timings,
+    }
+}
+
+/// 1 / (variance × time) of one estimate, variance averaged over the points.
+fn efficiency(cell: &CellSums, n_points: usize) -> Option<f64> {
+    let variance = cell.points.iter().filter_map(|sums| sums.variance()).sum::<f64>() / n_points as f64;
+    let time = cell.seconds / (cell.replicates as f64 * n_points as f64);
+    (variance * time > 0.0).then(|| 1.0 / (variance * time))
+}
+
+/// What reports show of a cell.
+fn shown(cell: &CellSums) -> Cell {
+    let points = cell.points.iter().map(|sums| {
+        let variance = sums.variance().unwrap_or(0.0);
+        let spread = interval::of_variance(sums, LEVEL);
+        Measured {
+            mean: sums.mean().unwrap_or(0.0),
+            bias: sums.mean_deviation().unwrap_or(0.0),
+            bias_std_error: sums.std_error().unwrap_or(0.0),
+            variance,
+            variance_low: spread.map_or(variance, |interval| interval.low),
+            variance_high: spread.map_or(variance, |interval| interval.high),
+            predicted_variance: None,
+            mse: sums.mean_square_deviation().unwrap_or(0.0),
+        }
+    });
+    Cell {
+        samples: cell.samples,
+        replicates: cell.replicates,
+        points: points.collect(),
+        mean_bias: cell.contrasts[0].mean_deviation().unwrap_or(0.0),
+        mean_bias_std_error: cell.contrasts[0].std_error().unwrap_or(0.0),
+    }
+}
+
+/// Traces the same shadow rays by hierarchy and by brute force: they must agree, and how long each takes is reported.
+fn compare_hierarchies(case: &Case, seed: u64) -> Result<Vec<Timing>, TrialError> {
+    let configuration = &case.configuration;
+    let mut timings = Vec::new();
+    for (mesh, shape) in configuration.occluders().iter().enumerate() {
+        let Shape::Mesh(triangles) = shape else { continue };
+        let rays = some_shadow_rays(configuration, seed);
+        let reach = rays
+            .iter()
+            .flat_map(|(from, to)| [*from, *to])
+            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
+        let start = Instant::now();
+        let hierarchy = Hierarchy::new(triangles, reach);
+        let build = start.elapsed().as_secs_f64();
+        let start = Instant::now();
+        let fast: Vec<bool> = rays.iter().map(|(from, to)| hierarchy.blocks(*from, *to)).collect();
+        let traversal = start.elapsed().as_secs_f64();
+        let start = Instant::now();
+        let slow: Vec<bool> = rays.iter().map(|(from, to)| hierarchy.blocks_by_brute_force(*from, *to)).collect();
+        let brute_force = start.elapsed().as_secs_f64();
+        if let Some(ray) = (0..rays.len()).find(|ray| fast[*ray] != slow[*ray]) {
+            let (from, to) = rays[ray];
+            return Err(TrialError::HierarchyDisagrees { case: case.name.clone(), mesh, from, to });
+        }
+        for (stage, rays, seconds) in [
+            ("hierarchy_build", triangles.triangles().len() as u64, build),
+            ("hierarchy_rays", COMPARED_RAYS, traversal),
+            ("brute_force_rays", COMPARED_RAYS, brute_force),
+        ] {
+            timings.push(Timing { stage, rays, seconds, efficiency: None });
+        }
+    }
+    Ok(timings)
+}
+
+/// Shadow rays from points of the case to points on its sources.
+fn some_shadow_rays(configuration: &Configuration, seed: u64) -> Vec<(DVec3, DVec3)> {
+    let key = StreamKey::root(seed).with(configuration.digest().key());
+    let mut draws = Stream::new(key);
+    let surfaces: Vec<Surface> =
+        configuration.sources().iter().filter_map(|source| Surface::new(source.shape())).collect();
+    let mut pattern = Pattern::new(Strategy::Random, COMPARED_RAYS, Lanes::new(key.with(1), LANES));
+    let (mut squares, mut places) = (Squares::default(), SurfaceBlock::default());
+    let mut rays = Vec::with_capacity(COMPARED_RAYS as usize);
+    while rays.len() < COMPARED_RAYS as usize {
+        let surface = &surfaces[draws.random_range(0..surfaces.len())];
+        pattern.fill(&mut squares, BLOCK);
+        surface.place(&squares, BLOCK, &mut places);
+        for i in 0..BLOCK {
+            let from: &MeasurementPoint =
+                &configuration.points()[draws.random_range(0..configuration.points().len())];
+            let row = |row: &crate::sampling::Row| row[i / LANES][i % LANES];
+            let offset = DVec3::new(row(&places.x), row(&places.y), row(&places.z));
+            rays.push((from.position(), surface.origin() + offset));
+        }
+    }
+    rays
+}
