@@ -1,0 +1,3 @@
+//! Whole-path tests, one module per subject: `cargo test exact` runs everything in `exact.rs`.
+
+mod exact;
