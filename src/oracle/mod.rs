@@ -1,7 +1,22 @@
 //! The exact side: irradiance in closed form, with a bound on its error.
 //!
 //! No random number, no bounding-volume hierarchy, none of the estimator's intersection code.
+//!
+//! [`Oracle`] answers for one configuration. A source and its occluders are taken as sets of directions; the visible
+//! part's form factor is a sum of contour integrals over great-circle arcs (straight edges) and circular arcs (rims and
+//! silhouettes), each in closed form.
 
+mod body;
+mod crossing;
+mod exact;
+mod great_arc;
+mod outline;
+mod penumbra;
+mod piece;
+mod point_factor;
+mod rim;
+mod trigonometric;
 mod truth;
 
+pub use exact::Oracle;
 pub use truth::{Method, Region, Truth};

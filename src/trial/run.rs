@@ -16,7 +16,7 @@ use crate::case::{Case, Study};
 use crate::configuration::{Configuration, MeasurementPoint};
 use crate::estimator::AreaEstimator;
 use crate::geometry::{DVec3, Shape};
-use crate::oracle::{Oracle, OracleError, Truth};
+use crate::oracle::{Oracle, Truth};
 use crate::sampling::{
     BLOCK, LANES, Lanes, Pattern, Purpose, Squares, Strategy, Stream, StreamKey, Surface, SurfaceBlock,
 };
@@ -42,9 +42,6 @@ pub enum Progress<'a> {
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum TrialError {
-    /// The exact side has no answer for a case.
-    #[error("{case}: {source}")]
-    NoTruth { case: String, source: OracleError },
     /// A hierarchy and brute force disagreed on a shadow ray: a fault of this program.
     #[error("{case}: the hierarchy over mesh {mesh} and brute force disagree on a shadow ray from {from} to {to}")]
     HierarchyDisagrees { case: String, mesh: usize, from: DVec3, to: DVec3 },
@@ -56,20 +53,11 @@ pub fn run(
     settings: &Settings,
     progress: &(dyn Fn(Progress) + Sync),
 ) -> Result<RunOutcome, TrialError> {
-    // All exact sides first: a case without one is told before any work is spent.
-    let oracles = cases
-        .iter()
-        .map(|case| {
-            Oracle::new(&case.configuration)
-                .map_err(|source| TrialError::NoTruth { case: case.name.clone(), source })
-        })
-        .collect::<Result<Vec<_>, _>>()?;
     let cases = cases
         .iter()
-        .zip(&oracles)
-        .map(|(case, oracle)| {
+        .map(|case| {
             progress(Progress::Case(&case.name));
-            run_case(case, oracle, settings, progress)
+            run_case(case, settings, progress)
         })
         .collect::<Result<Vec<_>, _>>()?;
     Ok(RunOutcome { seed: settings.seed, command: settings.command(&[], None), cases })
@@ -77,12 +65,12 @@ pub fn run(
 
 fn run_case(
     case: &Case,
-    oracle: &Oracle,
     settings: &Settings,
     progress: &(dyn Fn(Progress) + Sync),
 ) -> Result<CaseOutcome, TrialError> {
     let study = settings.study(&case.study);
     let start = Instant::now();
+    let oracle = Oracle::new(&case.configuration);
     let truths: Vec<Truth> = case.configuration.points().iter().map(|point| oracle.at(point)).collect();
     let mut timings = vec![Timing {
         stage: "exact",

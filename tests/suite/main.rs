@@ -1,3 +1,4 @@
-//! Whole-path tests, one module for each subject.
+//! Whole-path tests, one module per subject: `cargo test convergence` runs everything in `convergence.rs`.
 
 mod certified;
+mod exact;

@@ -1,0 +1,87 @@
+//! Surfaces prepared once per configuration: what they are made of, before anyone looks.
+
+use glam::DVec3;
+
+use super::outline;
+use crate::geometry::{Shape, Sphere};
+
+/// A surface that emits or blocks.
+#[derive(Clone, Debug)]
+pub(super) struct Body {
+    pub figure: Figure,
+    /// A ball around it.
+    pub center: DVec3,
+    pub reach: f64,
+}
+
+#[derive(Clone, Debug)]
+pub(super) enum Figure {
+    Disk { normal: DVec3, radius: f64 },
+    Ball { radius: f64 },
+    Flat(Flat),
+}
+
+/// A flat figure with straight edges: one outline or several, with holes or without.
+#[derive(Clone, Debug)]
+pub(super) struct Flat {
+    /// Unit; the edges run counter-clockwise about it.
+    pub normal: DVec3,
+    /// The corners are `origin + offset`: a rectangle's offsets keep digits that its corners' coordinates have lost.
+    pub origin: DVec3,
+    pub offsets: Vec<DVec3>,
+    /// Indices into `offsets`.
+    pub edges: Vec<[u32; 2]>,
+    pub convex: bool,
+}
+
+impl Body {
+    /// The bodies that a shape is made of: one, but for a mesh, where each flat patch is one.
+    ///
+    /// - `scale`: a power of two that all lengths are multiplied by
+    pub fn of_shape(shape: &Shape, scale: f64) -> Vec<Body> {
+        match shape {
+            Shape::Disk(s) => {
+                let figure = Figure::Disk { normal: s.normal(), radius: s.radius() * scale };
+                vec![Body { figure, center: s.center() * scale, reach: s.radius() * scale }]
+            }
+            Shape::Sphere(s) => vec![Body::of_ball(s, scale)],
+            Shape::Rectangle(s) => {
+                let (u, v) = (s.edge_u() * (0.5 * scale), s.edge_v() * (0.5 * scale));
+                let offsets = vec![-u - v, u - v, u + v, v - u];
+                vec![Body::of_flat(Flat {
+                    normal: s.normal(),
+                    origin: s.center() * scale,
+                    edges: outline::loop_of(offsets.len()),
+                    offsets,
+                    convex: true,
+                })]
+            }
+            Shape::Polygon(s) => {
+                let offsets: Vec<_> = s.vertices().iter().map(|v| *v * scale).collect();
+                vec![Body::of_flat(Flat {
+                    normal: s.normal(),
+                    origin: DVec3::ZERO,
+                    edges: outline::loop_of(offsets.len()),
+                    offsets,
+                    convex: s.is_convex(),
+                })]
+            }
+            Shape::Mesh(s) => outline::flat_patches(s, scale).into_iter().map(Body::of_flat).collect(),
+        }
+    }
+
+    fn of_ball(sphere: &Sphere, scale: f64) -> Body {
+        let radius = sphere.radius() * scale;
+        Body { figure: Figure::Ball { radius }, center: sphere.center() * scale, reach: radius }
+    }
+
+    fn of_flat(flat: Flat) -> Body {
+        let (low, high) = flat
+            .offsets
+            .iter()
+            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(*p), high.max(*p)));
+        let middle = (low + high) * 0.5;
+        let reach = flat.offsets.iter().map(|p| (*p - middle).length()).fold(0.0, f64::max);
+        Body { center: flat.origin + middle, reach, figure: Figure::Flat(flat) }
+    }
+}

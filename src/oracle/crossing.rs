@@ -1,0 +1,252 @@
+//! Where two boundary curves meet. Each crossing is found once, as one direction, and handed to both curves: roots found
+//! separately would leave the contour open.
+
+use std::f64::consts::TAU;
+
+use glam::DVec3;
+
+use super::great_arc::GreatArc;
+use super::piece::Curve;
+use super::rim::Rim;
+use super::trigonometric::Trigonometric;
+
+/// Curves of one kind that nowhere part by more than this (radians) are one curve: more than the rounding of a
+/// direction, less than anything that a shape means.
+const COINCIDENT: f64 = 64.0 * f64::EPSILON;
+/// Two crossings on either side of a contact, this near to each other (radians of rim), are the contact: what lies
+/// between is thinner than rounding, and dropping both is felt in the cube of this.
+const CONTACT: f64 = 1.0 / (1u32 << 22) as f64;
+/// Beyond the ends of a curve: a split too many harms nothing, a missing one opens the contour.
+const OVERHANG: f64 = 1e-12;
+
+/// Reports each crossing as (parameter on `a`, parameter on `b`). Returns `Some(alike)` where the two run along the same
+/// circle, `alike` if they also bound it on the same side; then the ends of each are reported where they lie on the other.
+pub(super) fn crossings(a: &Curve, b: &Curve, mut found: impl FnMut(f64, f64)) -> Option<bool> {
+    match (a, b) {
+        (Curve::Straight(p), Curve::Straight(q)) => straight_straight(p, q, &mut found),
+        (Curve::Straight(p), Curve::Round { rim, from, to }) => {
+            straight_round(p, rim, *from, *to, |s, t| found(s, t));
+            None
+        }
+        (Curve::Round { rim, from, to }, Curve::Straight(q)) => {
+            straight_round(q, rim, *from, *to, |s, t| found(t, s));
+            None
+        }
+        (Curve::Round { .. }, Curve::Round { .. }) => round_round(a, b, &mut found),
+    }
+}
+
+/// The parameter of `t` that lies in a rim's range, if any does (with a little overhang, then moved to the end).
+fn within(t: f64, from: f64, to: f64, overhang: f64) -> Option<f64> {
+    let turns = ((from - overhang - t) / TAU).ceil();
+    let t = t + turns * TAU;
+    (t <= to + overhang).then(|| t.clamp(from, to))
+}
+
+fn straight_straight(a: &GreatArc, b: &GreatArc, found: &mut impl FnMut(f64, f64)) -> Option<bool> {
+    let (b_start, b_end) = (b.start, b.end());
+    let (a_start, a_end) = (a.start, a.end());
+    let (s0, s1) = (a.normal.dot(b_start), a.normal.dot(b_end));
+    let (r0, r1) = (b.normal.dot(a_start), b.normal.dot(a_end));
+    if s0.abs().max(s1.abs()).max(r0.abs()).max(r1.abs()) <= COINCIDENT {
+        for (on_b, direction) in [(0.0, b_start), (b.length, b_end)] {
+            let t = a.parameter(direction);
+            if t > 0.0 && t < a.length {
+                found(t, on_b);
+            }
+        }
+        for (on_a, direction) in [(0.0, a_start), (a.length, a_end)] {
+            let t = b.parameter(direction);
+            if t > 0.0 && t < b.length {
+                found(on_a, t);
+            }
+        }
+        return Some(a.normal.dot(b.normal) > 0.0);
+    }
+    // Signs at shared corners agree from edge to edge, so an outline is crossed an even number of times.
+    if (s0 >= 0.0) == (s1 >= 0.0) || (r0 >= 0.0) == (r1 >= 0.0) {
+        return None;
+    }
+    let on_b = b_start * s1.abs() + b_end * s0.abs();
+    let on_a = a_start * r1.abs() + a_end * r0.abs();
+    if on_a.dot(on_b) > 0.0 {
+        found(a.parameter(on_b).clamp(0.0, a.length), b.parameter(on_b).clamp(0.0, b.length));
+    }
+    None
+}
+
+/// `found(parameter on the edge, parameter on the rim)`.
+fn straight_round(edge: &GreatArc, rim: &Rim, from: f64, to: f64, mut found: impl FnMut(f64, f64)) {
+    let level = edge.normal.dot(rim.center);
+    let (nu, nv) = (edge.normal.dot(rim.u), edge.normal.dot(rim.v));
+    let swing = rim.radius * nu.hypot(nv);
+    if level.abs() >= swing {
+        return;
+    }
+    let root = ((swing - level) * (swing + level)).sqrt();
+    let half = root.atan2(-level);
+    if half < CONTACT || half > std::f64::consts::PI - CONTACT {
+        return;
+    }
+    let middle = nv.atan2(nu);
+    let overhang = OVERHANG + 64.0 * f64::EPSILON * swing / root;
+    for t in [middle - half, middle + half] {
+        let Some(on_rim) = within(t, from, to, overhang) else { continue };
+        let angle = edge.parameter(rim.point(t));
+        if angle >= -overhang && angle <= edge.length + overhang {
+            found(angle.clamp(0.0, edge.length), on_rim);
+        }
+    }
+}
+
+/// A direction's coordinates against the cone over a rim: on its mantle where `hypot(x[0], x[1]) = x[2]`.
+struct Mantle([[f64; 3]; 3]);
+
+impl Mantle {
+    /// Along another rim each coordinate is `k0 + k1 cos t + k2 sin t`.
+    fn along(path: &Rim, cone: &Rim) -> Mantle {
+        let row = |p: DVec3| [p.dot(path.center), path.radius * p.dot(path.u), path.radius * p.dot(path.v)];
+        Mantle([
+            row(cone.u * cone.height - cone.axis * cone.offset),
+            row(cone.v * cone.height),
+            row(cone.axis * cone.radius),
+        ])
+    }
+
+    /// Distance from the mantle and its slope; negative inside, and on the forward side only.
+    fn outside(&self, t: f64) -> (f64, f64) {
+        let (sin, cos) = t.sin_cos();
+        let value = |k: &[f64; 3]| k[0] + k[1] * cos + k[2] * sin;
+        let slope = |k: &[f64; 3]| k[2] * cos - k[1] * sin;
+        let [x, y, z] = &self.0;
+        let out = value(x).hypot(value(y));
+        (out - value(z), (value(x) * slope(x) + value(y) * slope(y)) / out - slope(z))
+    }
+
+    fn polynomial(&self) -> Trigonometric {
+        let mut f = Trigonometric::ZERO;
+        f.add_square(self.0[0], 1.0);
+        f.add_square(self.0[1], 1.0);
+        f.add_square(self.0[2], -1.0);
+        f
+    }
+
+    /// A root of the polynomial, which also knows the backward half of the cone, brought to the last bits on the mantle.
+    fn polished(&self, t: f64) -> Option<f64> {
+        let (sin, cos) = t.sin_cos();
+        let [k0, k1, k2] = self.0[2];
+        if k0 + k1 * cos + k2 * sin <= 0.0 {
+            return None;
+        }
+        let (mut t, (mut value, mut slope)) = (t, self.outside(t));
+        for _ in 0..3 {
+            let next = t - value / slope;
+            if !((next - t).abs() < 1e-4) {
+                break;
+            }
+            let (closer, steeper) = self.outside(next);
+            if closer.abs() >= value.abs() {
+                break;
+            }
+            (t, value, slope) = (next, closer, steeper);
+        }
+        Some(t)
+    }
+}
+
+fn round_round(a: &Curve, b: &Curve, found: &mut impl FnMut(f64, f64)) -> Option<bool> {
+    let (Curve::Round { rim: first, from: a0, to: a1 }, Curve::Round { rim: second, from: b0, to: b1 }) = (a, b)
+    else {
+        return None;
+    };
+    // Five points fix a polynomial of degree two: all on the mantle, all of the circle is.
+    let apart = |t: f64| second.margin(first.point(t).normalize()).abs();
+    if (0..5).all(|i| apart(0.3 + TAU * f64::from(i) / 5.0) <= COINCIDENT) {
+        for end in [*b0, *b1] {
+            if let Some(t) = within(first.parameter(second.point(end)), *a0, *a1, 0.0) {
+                found(t, end);
+            }
+        }
+        for end in [*a0, *a1] {
+            if let Some(t) = within(second.parameter(first.point(end)), *b0, *b1, 0.0) {
+                found(end, t);
+            }
+        }
+        return Some(true);
+    }
+    let mantle = Mantle::along(first, second);
+    let roots = mantle.polynomial().roots();
+    let mut pairs = [(0.0, 0.0); 4];
+    let mut count = 0;
+    for root in roots.as_slice() {
+        if let Some(t) = mantle.polished(*root) {
+            pairs[count] = (t, second.parameter(first.point(t)));
+            count += 1;
+        }
+    }
+    let pairs = &pairs[..count];
+    let near = |s: f64, t: f64| {
+        let gap = (s - t).rem_euclid(TAU);
+        gap.min(TAU - gap) < CONTACT
+    };
+    let is_contact =
+        |i: usize| pairs.iter().enumerate().any(|(j, p)| j != i && near(p.0, pairs[i].0) && near(p.1, pairs[i].1));
+    for (i, (s, t)) in pairs.iter().enumerate() {
+        // An odd cluster is a crossing after all.
+        if is_contact(i) && count % 2 == 0 {
+            continue;
+        }
+        if let (Some(s), Some(t)) = (within(*s, *a0, *a1, OVERHANG), within(*t, *b0, *b1, OVERHANG)) {
+            found(s, t);
+        }
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn disk(center: [f64; 3], normal: [f64; 3], radius: f64) -> Curve {
+        let rim = Rim::of_disk(DVec3::from(center), DVec3::from(normal).normalize(), radius).unwrap();
+        Curve::Round { rim, from: 0.0, to: TAU }
+    }
+
+    fn all(a: &Curve, b: &Curve) -> Vec<(f64, f64)> {
+        let mut list = Vec::new();
+        assert_eq!(crossings(a, b, |s, t| list.push((s, t))), None);
+        list
+    }
+
+    #[test]
+    fn two_rims_cross_at_one_direction_each() {
+        let a = disk([0.2, 0.1, 2.0], [0.0, 0.0, 1.0], 1.0);
+        let b = disk([0.3, 0.3, 1.0], [0.5, -0.3, 1.0], 0.4);
+        let list = all(&a, &b);
+        assert_eq!(list.len(), 2);
+        for (s, t) in list {
+            assert!(a.point(s).normalize().distance(b.point(t).normalize()) < 4e-16);
+        }
+    }
+
+    #[test]
+    fn a_thin_ellipse_crosses_a_circle_four_times() {
+        let a = disk([0.0, 0.0, 20.0], [0.0, 0.0, 1.0], 10.0);
+        let b = disk([0.0, 0.0, 20.0], [1.0, 0.0, 0.3], 12.0);
+        assert_eq!(all(&a, &b).len(), 4);
+    }
+
+    #[test]
+    fn the_backward_half_of_a_cone_is_not_met() {
+        let a = disk([0.0, 0.0, 2.0], [0.0, 0.0, 1.0], 1.0);
+        let b = disk([0.5, 0.0, -1.0], [0.0, 0.0, 1.0], 0.5);
+        assert!(all(&a, &b).is_empty());
+    }
+
+    #[test]
+    fn a_shadow_that_fits_its_source_coincides_with_it() {
+        let a = disk([0.25, 0.0, 2.0], [0.0, 0.0, 1.0], 1.0);
+        let b = disk([0.125, 0.0, 1.0], [0.0, 0.0, -1.0], 0.5);
+        assert_eq!(crossings(&a, &b, |_, _| {}), Some(true));
+    }
+}

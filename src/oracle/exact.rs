@@ -1,0 +1,281 @@
+//! The exact side of one configuration, ready to be asked anywhere.
+
+use glam::DVec3;
+
+use super::body::{Body, Figure};
+use super::penumbra::{self, Visible};
+use super::piece::{HalfSpace, Piece};
+use super::point_factor::{self, Factor};
+use super::truth::{Method, Region, Truth};
+use crate::configuration::{Configuration, MeasurementPoint, Source};
+use crate::radiometry::{FormFactor, Irradiance};
+
+/// Exact irradiance at any point of a configuration.
+///
+/// Prepared once (meshes become outlines); then every question is independent of every other.
+#[derive(Clone, Debug)]
+pub struct Oracle {
+    /// A power of two that brings the configuration's lengths near one: form factors do not feel it, and nothing
+    /// overflows.
+    scale: f64,
+    sources: Vec<Emitter>,
+    occluders: Vec<Body>,
+}
+
+#[derive(Clone, Debug)]
+struct Emitter {
+    body: Body,
+    /// W/m².
+    exitance: f64,
+}
+
+/// How a point sees one source.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Sight {
+    Whole,
+    Part,
+    Hidden,
+    Below,
+    Unclear,
+}
+
+/// One source at one point.
+struct Contribution {
+    visible: Factor,
+    unoccluded: f64,
+    sight: Sight,
+    shadow_edge: bool,
+}
+
+impl Contribution {
+    fn below() -> Contribution {
+        Contribution { visible: Factor::default(), unoccluded: 0.0, sight: Sight::Below, shadow_edge: false }
+    }
+    fn hidden(unoccluded: f64) -> Contribution {
+        Contribution { visible: Factor::default(), unoccluded, sight: Sight::Hidden, shadow_edge: false }
+    }
+}
+
+impl Oracle {
+    pub fn new(configuration: &Configuration) -> Oracle {
+        let shapes = || configuration.sources().iter().map(Source::shape).chain(configuration.occluders());
+        let largest = shapes()
+            .map(|shape| {
+                let (low, high) = shape.bounds();
+                low.abs().max(high.abs()).max_element()
+            })
+            .fold(f64::MIN_POSITIVE, f64::max);
+        let scale = (-largest.log2().ceil()).clamp(-1000.0, 1000.0).exp2();
+        let emitter = |source: &Source| {
+            let bodies = Body::of_shape(source.shape(), scale);
+            let exitance = source.exitance().watts_per_square_metre();
+            bodies.into_iter().map(move |body| Emitter { body, exitance })
+        };
+        Oracle {
+            scale,
+            sources: configuration.sources().iter().flat_map(emitter).collect(),
+            occluders: configuration.occluders().iter().flat_map(|shape| Body::of_shape(shape, scale)).collect(),
+        }
+    }
+
+    /// The exact irradiance at a point, with its bound.
+    ///
+    /// - error: at most `bound`; a few ulp of the unoccluded form factor in general, more near a rim or an edge
+    pub fn at(&self, point: &MeasurementPoint) -> Truth {
+        let (eye, n) = (point.position() * self.scale, point.normal());
+        let (mut irradiance, mut unoccluded, mut form_factor, mut bound) = (0.0, 0.0, 0.0, 0.0);
+        let mut shadow_edge = false;
+        let (mut whole, mut below, mut hidden, mut unclear) = (0, 0, 0, 0);
+        for i in 0..self.sources.len() {
+            let exitance = self.sources[i].exitance;
+            let seen = self.from_source(i, eye, n);
+            irradiance += exitance * seen.visible.value;
+            unoccluded += exitance * seen.unoccluded;
+            form_factor += seen.visible.value;
+            bound += exitance * seen.visible.bound;
+            shadow_edge |= seen.shadow_edge;
+            match seen.sight {
+                Sight::Whole => whole += 1,
+                Sight::Below => below += 1,
+                Sight::Hidden => hidden += 1,
+                Sight::Unclear => unclear += 1,
+                Sight::Part => {}
+            }
+        }
+        let count = self.sources.len();
+        let region = if whole == count {
+            Region::Lit
+        } else if below == count {
+            Region::BelowHorizon
+        } else if hidden + below == count {
+            Region::Umbra
+        } else if unclear > 0 && (whole + unclear == count || hidden + below + unclear == count) {
+            Region::Edge
+        } else {
+            Region::Penumbra
+        };
+        Truth {
+            irradiance: Irradiance::new(irradiance),
+            unoccluded_irradiance: Irradiance::new(unoccluded),
+            form_factor: FormFactor::new(form_factor),
+            bound: Irradiance::new(bound),
+            region,
+            method: Method::ClosedForm,
+            shadow_edge,
+        }
+    }
+
+    fn from_source(&self, index: usize, eye: DVec3, n: DVec3) -> Contribution {
+        let body = &self.sources[index].body;
+        let Some(limit) = Limit::of(body, eye) else { return Contribution::below() };
+        let Some(piece) = Piece::of_source(body, eye, n) else { return Contribution::below() };
+        let unoccluded = unoccluded(body, &piece, eye, n);
+        let others = self.sources.iter().enumerate().filter(|(i, _)| *i != index).map(|(_, s)| &s.body);
+        let mut blockers = Vec::new();
+        for other in self.occluders.iter().chain(others) {
+            match limit.before(other, eye) {
+                Blocking::None => {}
+                Blocking::All => return Contribution::hidden(unoccluded.value),
+                Blocking::Part(piece) => blockers.push(piece),
+            }
+        }
+        let whole = |visible| Contribution {
+            visible,
+            unoccluded: unoccluded.value,
+            sight: if piece.is_cut { Sight::Part } else { Sight::Whole },
+            shadow_edge: false,
+        };
+        if blockers.is_empty() {
+            return whole(unoccluded);
+        }
+        let seen = penumbra::visible(n, &piece, &blockers);
+        judged(&seen, unoccluded, &piece, whole)
+    }
+}
+
+/// What the classification of the contour makes of a source.
+fn judged(seen: &Visible, unoccluded: Factor, piece: &Piece, whole: impl Fn(Factor) -> Contribution) -> Contribution {
+    let doubt = seen.doubt / (2.0 * std::f64::consts::PI);
+    let nothing_seen = !seen.source_seen && !seen.shadow_edge;
+    let nothing_hidden = !seen.source_hidden && !seen.shadow_edge;
+    if nothing_seen && doubt == 0.0 {
+        return Contribution::hidden(unoccluded.value);
+    }
+    if nothing_hidden && doubt == 0.0 {
+        return whole(unoccluded);
+    }
+    let shade = point_factor::from_terms(seen.occluders);
+    let own = if seen.source_hidden { point_factor::from_terms(seen.source) } else { unoccluded };
+    let value = (own.value - shade.value).clamp(0.0, unoccluded.value);
+    let told = (seen.surely_seen && seen.surely_hidden) || (piece.is_cut && seen.surely_seen);
+    Contribution {
+        visible: Factor { value, bound: own.bound + shade.bound + doubt },
+        unoccluded: unoccluded.value,
+        sight: if told { Sight::Part } else { Sight::Unclear },
+        shadow_edge: seen.shadow_edge,
+    }
+}
+
+fn unoccluded(body: &Body, piece: &Piece, eye: DVec3, n: DVec3) -> Factor {
+    let center = body.center - eye;
+    match &body.figure {
+        Figure::Ball { radius } => point_factor::sphere(n, center, *radius),
+        Figure::Disk { .. } => match point_factor::whole_rim(piece) {
+            Some(rim) => point_factor::disk(n, rim),
+            None => positive(point_factor::contour(n, piece)),
+        },
+        Figure::Flat(shape) if !piece.is_cut && body.reach < point_factor::SMALL * center.length() => {
+            point_factor::small_flat(n, shape, center, body.center - shape.origin)
+        }
+        Figure::Flat(_) => positive(point_factor::contour(n, piece)),
+    }
+}
+
+fn positive(factor: Factor) -> Factor {
+    Factor { value: factor.value.max(0.0), ..factor }
+}
+
+/// What an occluder must lie before to block a source.
+struct Limit<'a> {
+    source: &'a Body,
+    /// Relative to the eye.
+    center: DVec3,
+    /// A flat source's own plane; the plane of a sphere's silhouette.
+    keep: HalfSpace,
+}
+
+enum Blocking {
+    None,
+    Part(Piece),
+    All,
+}
+
+impl Limit<'_> {
+    /// `None` where the source turns its dark side, or the eye is inside it.
+    fn of(source: &Body, eye: DVec3) -> Option<Limit<'_>> {
+        let center = source.center - eye;
+        let (normal, on_plane) = match &source.figure {
+            Figure::Disk { normal, .. } => (*normal, center),
+            Figure::Flat(shape) => (shape.normal, shape.origin - eye + shape.offsets[0]),
+            Figure::Ball { radius } => {
+                let distance = center.length();
+                let k = (distance - radius) * (distance + radius) / distance;
+                return (distance > *radius).then(|| Limit {
+                    source,
+                    center,
+                    keep: HalfSpace { normal: -center / distance, k },
+                });
+            }
+        };
+        let k = -normal.dot(on_plane);
+        (k > 4.0 * f64::EPSILON * (on_plane.length() + source.reach)).then_some(Limit {
+            source,
+            center,
+            keep: HalfSpace { normal, k },
+        })
+    }
+
+    /// What an occluder can hide of the source.
+    fn before(&self, occluder: &Body, eye: DVec3) -> Blocking {
+        let center = occluder.center - eye;
+        if let Figure::Ball { radius } = occluder.figure
+            && center.length() <= radius
+        {
+            return Blocking::All;
+        }
+        if self.keep.normal.dot(center) + self.keep.k <= -occluder.reach || self.is_beside(center, occluder.reach) {
+            return Blocking::None;
+        }
+        let piece = match (&self.source.figure, &occluder.figure) {
+            (Figure::Ball { .. }, Figure::Ball { radius }) => {
+                if self.sphere_comes_first(center, *radius) {
+                    return Blocking::None;
+                }
+                Piece::of_occluder(occluder, eye, None)
+            }
+            _ => Piece::of_occluder(occluder, eye, Some(self.keep)),
+        };
+        piece.map_or(Blocking::None, Blocking::Part)
+    }
+
+    /// Whether the cones around a body and around the source surely share no direction.
+    fn is_beside(&self, center: DVec3, reach: f64) -> bool {
+        let (own, other) = (self.center.length(), center.length());
+        let (s, t) = (self.source.reach / own, reach / other);
+        if s >= 1.0 || t >= 1.0 {
+            return false;
+        }
+        let apart = self.center.dot(center) / (own * other);
+        let touching = ((1.0 - s * s) * (1.0 - t * t)).sqrt() - s * t;
+        // Beyond a half turn the cones always meet.
+        s * s + t * t < 1.0 && apart < touching - 1e-12
+    }
+
+    /// Two balls apart have a plane between them; whichever lies on the eye's side of it is met first.
+    fn sphere_comes_first(&self, center: DVec3, radius: f64) -> bool {
+        let between = self.center - center;
+        let gap = between.length() - self.source.reach - radius;
+        let direction = between.normalize();
+        direction.dot(center + direction * (radius + 0.5 * gap)) < 0.0
+    }
+}
