@@ -9,7 +9,36 @@ macro_rules! embedded {
 }
 
 /// Every file below `cases/`, sorted by path; a test compares the list with the folder.
-static FILES: &[(&str, &[u8])] = embedded![];
+static FILES: &[(&str, &[u8])] = embedded![
+    "direct/diffuser-box.toml",
+    "direct/disk-over-plane.toml",
+    "direct/disk-receiver.toml",
+    "direct/half-sunk-source.toml",
+    "direct/l-shaped-source.toml",
+    "direct/rectangle-over-plane.toml",
+    "direct/sphere-receiver.toml",
+    "direct/sphere-source.toml",
+    "direct/tilted-source.toml",
+    "direct/triangle-source.toml",
+    "direct/turning-patch.toml",
+    "direct/two-sources.toml",
+    "penumbra/annular-eclipse.toml",
+    "penumbra/contact-shadow.toml",
+    "penumbra/disk-392-fan.obj",
+    "penumbra/eclipse-at-sunset.toml",
+    "penumbra/eclipse-closing.toml",
+    "penumbra/eclipse-mesh.toml",
+    "penumbra/eclipse.toml",
+    "penumbra/half-plane.toml",
+    "penumbra/l-shaped-occluder.toml",
+    "penumbra/overlapping-occluders.toml",
+    "penumbra/rectangle-behind-rectangle.toml",
+    "penumbra/sphere-occluder.toml",
+    "penumbra/spheres.toml",
+    "penumbra/three-regions.toml",
+    "penumbra/tilted-occluder.toml",
+    "penumbra/two-shadows.toml",
+];
 
 /// A case that is part of the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

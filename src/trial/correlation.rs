@@ -50,9 +50,12 @@ pub(super) fn correlations(prepared: &Prepared, cells: &[CellSums]) -> Vec<Corre
             let without = |left_out: Option<usize>| {
                 let kept = || (0..GROUPS).filter(move |g| Some(*g) != left_out);
                 let n: usize = kept().map(|g| groups[g].len() / n_points).sum();
-                mean_correlation(separation, n as f64, &|p| {
-                    kept().fold([0.0; 2], |sum, g| [sum[0] + single[g][p][0], sum[1] + single[g][p][1]])
-                }, &|pair| kept().map(|g| pair_sums[g][pair]).sum())
+                mean_correlation(
+                    separation,
+                    n as f64,
+                    &|p| kept().fold([0.0; 2], |sum, g| [sum[0] + single[g][p][0], sum[1] + single[g][p][1]]),
+                    &|pair| kept().map(|g| pair_sums[g][pair]).sum(),
+                )
             };
             let Some(correlation) = without(None) else { continue };
             let parts: Option<Vec<f64>> = (0..GROUPS).map(|g| without(Some(g)).map(fisher)).collect();

@@ -50,7 +50,11 @@ pub(super) fn bias(
         }
         components.push((together.ln(), subject, None));
     }
-    debug_assert_eq!(components.len(), super::plan::components(prepared, study), "the plan's power counts on this many");
+    debug_assert_eq!(
+        components.len(),
+        super::plan::components(prepared, study),
+        "the plan's power counts on this many"
+    );
     let evidence = log10_capped(ln_average(components.iter().map(|(ln, ..)| *ln)));
     let biases = || plans.iter().map(|plan| plan.smallest_biases(prepared, study));
     let worst = |pick: fn((Option<f64>, Option<f64>)) -> Option<f64>| biases().filter_map(pick).reduce(f64::max);
@@ -152,7 +156,9 @@ fn pass_words(mean: Option<f64>, point: Option<f64>) -> String {
             percent(mean),
             percent(point)
         ),
-        (Some(mean), None) => format!("no bias above {} in the mean; no point is lit by a tenth or more", percent(mean)),
+        (Some(mean), None) => {
+            format!("no bias above {} in the mean; no point is lit by a tenth or more", percent(mean))
+        }
         (None, _) => "no light is due at any point and none arrived".to_owned(),
     }
 }
@@ -173,11 +179,7 @@ fn fail_words(
         Subject::Contrast(k) => format!("in contrast {k} along the points, relative to the mean"),
     };
     let count = at.map_or("all sample counts together".to_owned(), |index| format!("N = {}", cells[index].samples));
-    format!(
-        "{strategy} is biased by {:+.3} % ± {:.3} % {place}, {count}",
-        100.0 * deviation,
-        100.0 * Z_95 * error
-    )
+    format!("{strategy} is biased by {:+.3} % ± {:.3} % {place}, {count}", 100.0 * deviation, 100.0 * Z_95 * error)
 }
 
 fn undecided_words(
@@ -212,4 +214,3 @@ fn undecided_words(
         percent(asked.point)
     )
 }
-

@@ -60,7 +60,8 @@ mod tests {
         ];
         for shape in shapes {
             let source = Source::new(shape, Exitance::new(3.0)).unwrap();
-            let at = |x: f64, z: f64| MeasurementPoint::new(DVec3::new(x, 0.1, z), DVec3::new(0.1, 0.2, 1.0)).unwrap();
+            let at =
+                |x: f64, z: f64| MeasurementPoint::new(DVec3::new(x, 0.1, z), DVec3::new(0.1, 0.2, 1.0)).unwrap();
             let points = vec![at(0.0, 0.0), at(0.5, 0.3), at(2.0, 0.2), at(0.2, -1.0)];
             let room = Configuration::new(vec![source], vec![], None, points, Arrangement::Scattered).unwrap();
             let estimator = AreaEstimator::new(&room);

@@ -102,13 +102,10 @@ impl CellPlan {
     /// worst of the well-lit points. `None` where no light is due.
     pub fn smallest_biases(&self, prepared: &Prepared, study: &Study) -> (Option<f64>, Option<f64>) {
         let m = components(prepared, study);
-        let mean = mean_of(prepared, study).map(|(value, margin)| {
-            (smallest_shift(self.contrast_variances[0], self.replicates, m) + margin) / value
-        });
+        let mean = mean_of(prepared, study)
+            .map(|(value, margin)| (smallest_shift(self.contrast_variances[0], self.replicates, m) + margin) / value);
         let point = well_lit(prepared, study)
-            .map(|(p, value, margin)| {
-                (smallest_shift(self.point_variances[p], self.replicates, m) + margin) / value
-            })
+            .map(|(p, value, margin)| (smallest_shift(self.point_variances[p], self.replicates, m) + margin) / value)
             .reduce(f64::max);
         (mean, point)
     }

@@ -35,9 +35,8 @@ fn rate(
     let mut curve = Vec::new();
     let (mut x, mut y, mut noise) = (Vec::new(), Vec::new(), Vec::new());
     for cell in cells {
-        let mean_over_points = |value: &dyn Fn(usize) -> f64| {
-            points.iter().map(|p| value(*p)).sum::<f64>() / points.len() as f64
-        };
+        let mean_over_points =
+            |value: &dyn Fn(usize) -> f64| points.iter().map(|p| value(*p)).sum::<f64>() / points.len() as f64;
         let value = mean_over_points(&|p| cell.points[p].variance().unwrap_or(0.0));
         if value <= 0.0 || cell.batches.len() < 2 {
             continue;
