@@ -5,6 +5,8 @@
 #![forbid(unsafe_code)]
 
 pub mod case;
+#[cfg(feature = "cli")]
+pub mod cli;
 pub mod configuration;
 pub mod estimator;
 pub mod geometry;

@@ -26,6 +26,17 @@ impl Strategy {
         }
     }
 
+    /// In a few words, for people.
+    pub fn meaning(self) -> &'static str {
+        match self {
+            Strategy::Random => "N independent uniform points, fresh for each shading point",
+            Strategy::Correlated => "shared points: one random set of N for all shading points of a replicate",
+            Strategy::Stratified => {
+                "one jittered point in each of N strata of equal area, fresh for each shading point"
+            }
+        }
+    }
+
     /// Whether one set of points serves all shading points of a replicate.
     pub fn shares_points(self) -> bool {
         self == Strategy::Correlated

@@ -22,7 +22,8 @@ fn source_point(shape: &Shape, s: f64, t: f64) -> Option<(DVec3, DVec3)> {
         Shape::Polygon(p) => {
             let (a, b) = axes(p.normal());
             let origin = p.vertices()[0];
-            let flat: Vec<[f64; 2]> = p.vertices().iter().map(|v| [(*v - origin).dot(a), (*v - origin).dot(b)]).collect();
+            let flat: Vec<[f64; 2]> =
+                p.vertices().iter().map(|v| [(*v - origin).dot(a), (*v - origin).dot(b)]).collect();
             let range = |k: usize| {
                 let values = flat.iter().map(|v| v[k]);
                 (values.clone().fold(f64::MAX, f64::min), values.fold(f64::MIN, f64::max))
@@ -64,7 +65,9 @@ fn blocks(shape: &Shape, from: DVec3, to: DVec3) -> bool {
         (a * b < 0.0).then(|| from + (to - from) * (a / (a - b)))
     };
     match shape {
-        Shape::Disk(d) => on_plane(d.center(), d.normal()).is_some_and(|hit| (hit - d.center()).length() < d.radius()),
+        Shape::Disk(d) => {
+            on_plane(d.center(), d.normal()).is_some_and(|hit| (hit - d.center()).length() < d.radius())
+        }
         Shape::Rectangle(r) => on_plane(r.center(), r.normal()).is_some_and(|hit| {
             let along = |edge: DVec3| ((hit - r.center()).dot(edge) / edge.length_squared()).abs() < 0.5;
             along(r.edge_u()) && along(r.edge_v())
@@ -91,7 +94,9 @@ fn visible_share(configuration: &Configuration, point: &MeasurementPoint) -> f64
         let blockers: Vec<&Shape> = others.chain(configuration.occluders()).collect();
         for k in 0..LATTICE * LATTICE {
             let cell = |i: usize| (i as f64 + 0.5) / LATTICE as f64;
-            let Some((at, normal)) = source_point(source.shape(), cell(k % LATTICE), cell(k / LATTICE)) else { continue };
+            let Some((at, normal)) = source_point(source.shape(), cell(k % LATTICE), cell(k / LATTICE)) else {
+                continue;
+            };
             let towards = at - point.position();
             let leaving = -normal.dot(towards) / towards.length();
             if leaving <= 0.0 {
@@ -116,11 +121,21 @@ fn shares(case: &Case) -> Vec<f64> {
 #[ignore]
 fn dump() {
     for entry in shipped() {
-        if entry.name().contains("mesh") { continue }
+        if entry.name().contains("mesh") {
+            continue;
+        }
         let case = entry.read().unwrap_or_else(|e| panic!("{e}"));
         let shares = shares(&case);
         println!("{}", case.name);
-        let kind = |s: f64| if s == 0.0 { "umbra" } else if s > 1.0 - 1e-12 { "lit" } else { "part" };
+        let kind = |s: f64| {
+            if s == 0.0 {
+                "umbra"
+            } else if s > 1.0 - 1e-12 {
+                "lit"
+            } else {
+                "part"
+            }
+        };
         let mut last = "";
         for (p, s) in case.configuration.points().iter().zip(&shares) {
             if kind(*s) != last || *s < 1e-3 && *s > 0.0 {

@@ -1,0 +1,171 @@
+//! What each command does.
+
+use std::io::{IsTerminal, Write};
+
+use super::exit;
+use super::options::{Check, Exact, List, Run};
+use super::progress::Bar;
+use crate::case::{self, Case, Ink, SelectError};
+use crate::oracle::Oracle;
+use crate::report::{self, ExactCase, ReportOptions, TableOptions};
+use crate::sampling::Strategy;
+use crate::statistics::Verdict;
+use crate::trial;
+
+/// Says how the random streams are made, for the manifest.
+const GENERATOR: &str = "8 lanes of xoshiro256++, sample i in lane i mod 8; streams keyed by seed, configuration, purpose, \
+                         strategy, samples, replicate, point (0 where points are shared) and source";
+
+/// Cases, or the exit code after saying what is wrong with them.
+fn select(selectors: &[String]) -> Result<Vec<Case>, u8> {
+    case::select(selectors).map_err(|error| {
+        let ink = if coloured() { Ink::Coloured } else { Ink::Plain };
+        anstream::eprintln!("{}", error.render(ink));
+        match error {
+            SelectError::Nothing { .. } => exit::NOTHING,
+            _ => exit::USAGE,
+        }
+    })
+}
+
+fn coloured() -> bool {
+    anstream::AutoStream::choice(&std::io::stderr()) != anstream::ColorChoice::Never
+}
+
+/// An error on stderr, and the code to leave with.
+fn fault(code: u8, error: impl std::fmt::Display) -> u8 {
+    anstream::eprintln!("error: {error}");
+    code
+}
+
+pub fn run(options: &Run) -> u8 {
+    run_to_end(options).unwrap_or_else(|code| code)
+}
+
+fn run_to_end(options: &Run) -> Result<u8, u8> {
+    let cases = select(&options.cases)?;
+    report::claim(&options.out).map_err(|error| fault(exit::OUTPUT, error))?;
+    if let Some(threads) = options.threads {
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(usize::from(threads))
+            .build_global()
+            .map_err(|error| fault(exit::BUG, error))?;
+    }
+    let bar = Bar::new(cases.len(), options.quiet);
+    let mut outcome = trial::run(&cases, &options.settings(), &|progress| bar.show(progress))
+        .map_err(|error| fault(exit::BUG, error))?;
+    bar.finish();
+    let selectors: Vec<&str> = options.cases.iter().map(String::as_str).collect();
+    outcome.command = options.settings().command(&selectors, None);
+    report::write(&options.out, &outcome, &ReportOptions { generator: GENERATOR, plots: !options.no_plots })
+        .map_err(|error| fault(exit::OUTPUT, error))?;
+    let styled = anstream::AutoStream::choice(&std::io::stdout()) != anstream::ColorChoice::Never;
+    let table =
+        report::table(&outcome, &TableOptions { styled, width: terminal_width(), report: Some(&options.out) });
+    print(&table)?;
+    let verdicts = || outcome.cases.iter().flat_map(|case| &case.strategies).flat_map(|s| &s.verdicts);
+    let any = |verdict| verdicts().any(|judged| judged.verdict == verdict);
+    Ok(if any(Verdict::Fail) {
+        exit::FAILED
+    } else if any(Verdict::Undecided) && !options.allow_undecided {
+        exit::UNDECIDED
+    } else {
+        exit::PASSED
+    })
+}
+
+/// Columns of the terminal, or enough for any table in a log.
+fn terminal_width() -> usize {
+    let asked = std::env::var("COLUMNS").ok().and_then(|columns| columns.parse().ok());
+    asked.unwrap_or(if std::io::stdout().is_terminal() { 100 } else { 120 })
+}
+
+pub fn list(options: &List) -> u8 {
+    list_to_end(options).map_or_else(|code| code, |()| exit::PASSED)
+}
+
+fn list_to_end(options: &List) -> Result<(), u8> {
+    let cases = select(&[])?;
+    if options.json {
+        let cases: Vec<_> = cases
+            .iter()
+            .map(|case| {
+                serde_json::json!({
+                    "name": case.name,
+                    "title": case.title,
+                    "points": case.configuration.points().len(),
+                    "digest": case.configuration.digest().to_string(),
+                })
+            })
+            .collect();
+        let strategies = Strategy::ALL.map(Strategy::name);
+        let all = serde_json::json!({
+            "schema_version": 1,
+            "cases": cases,
+            "strategies": strategies,
+            "estimators": ["area"],
+        });
+        return print(&format!("{all:#}\n"));
+    }
+    let widest = cases.iter().map(|case| case.name.len()).max().unwrap_or(0);
+    let mut text = String::from("Cases\n");
+    for case in &cases {
+        text += &format!("  {:widest$}  {}\n", case.name, case.title);
+    }
+    text += "\nStrategies\n";
+    for strategy in Strategy::ALL {
+        text += &format!("  {:widest$}  {}\n", strategy.name(), strategy.meaning());
+    }
+    text +=
+        &format!("\nEstimators\n  {:widest$}  points uniform by area, a shadow ray to each, the average\n", "area");
+    print(&text)
+}
+
+pub fn check(options: &Check) -> u8 {
+    match select(&options.cases) {
+        Ok(cases) => {
+            let plural = if cases.len() == 1 { "case is" } else { "cases are" };
+            print(&format!("{} {plural} valid\n", cases.len())).map_or_else(|code| code, |()| exit::PASSED)
+        }
+        Err(code) => code,
+    }
+}
+
+pub fn exact(options: &Exact) -> u8 {
+    exact_to_end(options).map_or_else(|code| code, |()| exit::PASSED)
+}
+
+fn exact_to_end(options: &Exact) -> Result<(), u8> {
+    let cases = select(&options.cases)?;
+    let truths: Vec<Vec<_>> = cases
+        .iter()
+        .map(|case| {
+            let oracle = Oracle::new(&case.configuration);
+            case.configuration.points().iter().map(|point| oracle.at(point)).collect()
+        })
+        .collect();
+    let rows = cases.iter().zip(&truths).map(|(case, truths)| ExactCase {
+        name: &case.name,
+        albedo: case.configuration.albedo(),
+        points: case.configuration.points(),
+        truths,
+    });
+    let mut text = Vec::new();
+    report::write_exact(&mut text, rows).map_err(|error| fault(exit::OUTPUT, error))?;
+    write_out(&text)
+}
+
+fn print(text: &str) -> Result<(), u8> {
+    write_out(text.as_bytes())
+}
+
+/// A reader that has seen enough (`| head`) is no fault.
+fn write_out(bytes: &[u8]) -> Result<(), u8> {
+    let mut out = anstream::stdout().lock();
+    match out.write_all(bytes).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(fault(exit::OUTPUT, format!("standard output cannot be written: {error}")))
+        }
+        _ => Ok(()),
+    }
+}

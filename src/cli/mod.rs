@@ -1,0 +1,40 @@
+//! The command line: words in, an exit code out. No arithmetic.
+
+mod commands;
+mod options;
+mod progress;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+/// Exit codes: a contract that schedulers and scripts rely on.
+mod exit {
+    /// Every verdict passed.
+    pub const PASSED: u8 = 0;
+    /// A verdict failed.
+    pub const FAILED: u8 = 1;
+    /// The command line is wrong, or a case or a file that it names.
+    pub const USAGE: u8 = 2;
+    /// None failed, some are undecided.
+    pub const UNDECIDED: u8 = 3;
+    /// Nothing was selected.
+    pub const NOTHING: u8 = 4;
+    /// An output could not be written.
+    pub const OUTPUT: u8 = 5;
+    /// A fault of this program.
+    pub const BUG: u8 = 70;
+}
+
+/// Parses the command line, does what it says, and returns the exit code.
+pub fn main() -> ExitCode {
+    let options = options::Options::parse();
+    let code = match options.command {
+        Some(options::Command::List(list)) => commands::list(&list),
+        Some(options::Command::Check(check)) => commands::check(&check),
+        Some(options::Command::Exact(exact)) => commands::exact(&exact),
+        Some(options::Command::Run(run)) => commands::run(&run),
+        None => commands::run(&options.run),
+    };
+    ExitCode::from(code)
+}

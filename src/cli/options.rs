@@ -1,0 +1,175 @@
+//! What may be said on the command line.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+
+use crate::case::{Replicates, SmallestBias};
+use crate::sampling::Strategy;
+use crate::trial::{Effort, Overrides, Settings};
+
+const EXIT_CODES: &str = "\
+Exit codes:
+  0   every verdict passed
+  1   a verdict failed
+  2   the command line is wrong, or a case or a file that it names
+  3   none failed but some are undecided (0 under --allow-undecided)
+  4   nothing selected
+  5   an output could not be written
+  70  a bug of ours";
+
+/// Measures Monte Carlo estimators of area-source lighting against exact values, and judges them.
+///
+/// Without a command, `run` is meant: every shipped case is measured, judged and reported.
+#[derive(Debug, Parser)]
+#[command(version, after_help = EXIT_CODES, args_conflicts_with_subcommands = true)]
+pub struct Options {
+    #[command(subcommand)]
+    pub command: Option<Command>,
+    #[command(flatten)]
+    pub run: Run,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Measure, judge, and write tables and plots (the default)
+    #[command(after_help = EXIT_CODES)]
+    Run(Run),
+    /// The shipped cases and the strategies
+    List(List),
+    /// Read cases and report every mistake in them
+    #[command(arg_required_else_help = true)]
+    Check(Check),
+    /// Exact values at the measured points, as CSV
+    Exact(Exact),
+}
+
+/// Options of `run`.
+#[derive(Args, Debug)]
+pub struct Run {
+    /// Case files, folders, or names (whole, a part, or a pattern) of shipped cases; none: all shipped cases
+    #[arg(value_name = "CASE")]
+    pub cases: Vec<String>,
+    /// Folder that the report is written to
+    #[arg(long, value_name = "DIR", default_value = "reports/latest")]
+    pub out: PathBuf,
+    /// A quick look: five times coarser, at most 64 samples
+    #[arg(long, conflicts_with = "thorough")]
+    pub quick: bool,
+    /// Ten times finer than the cases ask
+    #[arg(long)]
+    pub thorough: bool,
+    /// Strategies, separated by commas
+    #[arg(long, value_name = "NAME", value_delimiter = ',', value_parser = strategy)]
+    pub strategy: Option<Vec<Strategy>>,
+    /// Points on each source, one or several counts separated by commas
+    #[arg(long, value_name = "N", value_delimiter = ',', value_parser = clap::value_parser!(u64).range(1..=1 << 31))]
+    pub samples: Option<Vec<u64>>,
+    /// Independent repeats of each estimate: a number from 2 on, or `auto` for as many as the smallest bias needs
+    #[arg(long, value_name = "R", value_parser = replicates)]
+    pub replicates: Option<Replicates>,
+    /// Relative biases that a pass must have been able to see: in the mean, and at the worst point (default: ten times
+    /// the mean's)
+    #[arg(long, value_name = "MEAN[,POINT]", value_parser = smallest_bias)]
+    pub smallest_bias: Option<SmallestBias>,
+    /// Seed of all random streams
+    #[arg(long, value_name = "SEED", default_value_t = Settings::DEFAULT_SEED)]
+    pub seed: u64,
+    /// Threads (default: one for each core); the numbers do not depend on it
+    #[arg(long, value_name = "T", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Print only failures and the summary
+    #[arg(long, short)]
+    pub quiet: bool,
+    /// Exit with 0 when some verdicts are undecided and none failed
+    #[arg(long)]
+    pub allow_undecided: bool,
+    /// Write tables only
+    #[arg(long)]
+    pub no_plots: bool,
+}
+
+impl Run {
+    /// What the run is to do to the cases' own studies.
+    pub fn settings(&self) -> Settings {
+        let effort = match (self.quick, self.thorough) {
+            (true, _) => Effort::Quick,
+            (_, true) => Effort::Thorough,
+            _ => Effort::Standard,
+        };
+        let overrides = Overrides {
+            strategies: self.strategy.clone(),
+            samples: self.samples.clone(),
+            replicates: self.replicates,
+            smallest_bias: self.smallest_bias,
+        };
+        Settings { seed: self.seed, effort, overrides }
+    }
+}
+
+#[derive(Args, Debug)]
+pub struct List {
+    /// Machine-readable
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Args, Debug)]
+pub struct Check {
+    /// Case files, folders, or names of shipped cases
+    #[arg(value_name = "CASE", required = true)]
+    pub cases: Vec<String>,
+}
+
+#[derive(Args, Debug)]
+pub struct Exact {
+    /// Case files, folders, or names of shipped cases; none: all shipped cases
+    #[arg(value_name = "CASE")]
+    pub cases: Vec<String>,
+}
+
+fn strategy(name: &str) -> Result<Strategy, String> {
+    let known = || Strategy::ALL.map(Strategy::name).join(", ");
+    Strategy::from_name(name).ok_or_else(|| format!("no such strategy; there are {}", known()))
+}
+
+fn replicates(text: &str) -> Result<Replicates, String> {
+    match text {
+        "auto" => Ok(Replicates::Auto),
+        _ => match text.parse() {
+            Ok(n) if n >= 2 => Ok(Replicates::Fixed(n)),
+            _ => Err("a whole number from 2 on, or `auto`".to_owned()),
+        },
+    }
+}
+
+fn smallest_bias(text: &str) -> Result<SmallestBias, String> {
+    let number = |text: &str| match text.trim().parse::<f64>() {
+        Ok(x) if x.is_finite() && x > 0.0 => Ok(x),
+        _ => Err("one or two numbers greater than zero, such as 0.01 or 0.01,0.1".to_owned()),
+    };
+    match text.split_once(',') {
+        None => number(text).map(|mean| SmallestBias { mean, point: 10.0 * mean }),
+        Some((mean, point)) => Ok(SmallestBias { mean: number(mean)?, point: number(point)? }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Options::command().debug_assert();
+    }
+
+    #[test]
+    fn biases_come_alone_or_as_a_pair() {
+        assert_eq!(smallest_bias("0.02"), Ok(SmallestBias { mean: 0.02, point: 0.2 }));
+        assert_eq!(smallest_bias("0.02,0.05"), Ok(SmallestBias { mean: 0.02, point: 0.05 }));
+        for wrong in ["", "-1", "0", "nan", "1,", "inf"] {
+            assert!(smallest_bias(wrong).is_err(), "{wrong}");
+        }
+    }
+}
