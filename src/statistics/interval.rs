@@ -152,7 +152,7 @@ mod tests {
         for (name, n, mean, variance, draw) in cases {
             let (means, variances, runs) = covered(&mut draws, n, mean, variance, draw);
             println!("{name} n = {n}: mean {means}, variance {variances} of {runs}");
-            assert!(plausible(variances, runs, 0.945, 1.0), "variance of {name}, n = {n}: {variances} of {runs}");
+            assert!(variances * 100 >= 93 * runs, "variance of {name}, n = {n}: {variances} of {runs}");
             // Student's t on thirty skewed values covers less than it claims: 92 to 93 % for exponential data.
             let least = if name == "exponential" && n <= 30 || name.ends_with("visible") { 0.915 } else { 0.94 };
             assert!(plausible(means, runs, least, 1.0), "mean of {name}, n = {n}: {means} of {runs}");
