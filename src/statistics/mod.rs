@@ -1,6 +1,7 @@
 //! Moments, intervals, evidence and verdicts. Nothing here knows of light.
 
 pub mod budget;
+pub mod correlation;
 pub mod evidence;
 pub mod interval;
 pub mod moments;
@@ -10,6 +11,7 @@ pub mod slope;
 mod verdict;
 mod wide;
 
+pub use correlation::PairSums;
 pub use evidence::{Capital, Observed, Statement};
 pub use interval::Interval;
 pub use moments::{PowerSums, Summary};

@@ -52,12 +52,28 @@ impl PowerSums {
         PowerSums { pivot, folded: 0, totals: [Wide::ZERO; 4], block: BlockSums::default() }
     }
 
-    /// One more value, about a nanosecond.
+    /// One more value, 2 to 4 ns; where values lie side by side, `extend` is faster.
     #[inline]
     pub fn add(&mut self, value: f64) {
         self.block.add(value - self.pivot);
         if self.block.n == BLOCK {
             self.fold();
+        }
+    }
+
+    /// These values in their order, with the same bits as one by one.
+    pub fn extend(&mut self, mut values: &[f64]) {
+        while !values.is_empty() {
+            let room = (BLOCK - self.block.n) as usize;
+            let (now, later) = values.split_at(room.min(values.len()));
+            // A copy that nobody else sees stays in registers.
+            let mut block = self.block;
+            now.iter().for_each(|&value| block.add(value - self.pivot));
+            self.block = block;
+            if self.block.n == BLOCK {
+                self.fold();
+            }
+            values = later;
         }
     }
 
@@ -316,6 +332,17 @@ mod tests {
                 let (a, b) = (sums.sum_of_powers(k), whole.sum_of_powers(k));
                 assert!((a - b).abs() <= 5000.0 * 2f64.powi(-44), "power {k}: {a} {b}");
             }
+        }
+    }
+
+    #[test]
+    fn values_in_a_row_are_values_one_by_one() {
+        let values = irregular(2000);
+        let whole = sums_of(&values, 0.3);
+        for parts in [1, 7, 256, 700] {
+            let mut sums = PowerSums::about(0.3);
+            values.chunks(parts).for_each(|part| sums.extend(part));
+            assert_eq!(sums, whole);
         }
     }
 

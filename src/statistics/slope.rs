@@ -80,7 +80,8 @@ impl Fit {
 /// The combination of `columns` nearest to `y`, in the sense of weighted least squares. An intercept is a column of ones.
 ///
 /// - `columns`: one for each coefficient, each as long as `y`
-/// - error: below 1e-14 relative to the exact solution while the condition number of the scaled columns is below 1e15
+/// - error: below 1e-14 relative to the exact solution while the condition number of the scaled columns is below 1e15 and
+///   squares neither overflow nor underflow
 pub fn fit(columns: &[&[f64]], y: &[f64], noise: Noise) -> Result<Fit, FitError> {
     for column in columns {
         check(column, y.len())?;
@@ -254,4 +255,97 @@ fn inverse_row_norms(upper: &[Vec<Wide>]) -> Vec<Wide> {
         squares.iter_mut().zip(inverse_column).for_each(|(square, x)| *square = *square + x.square());
     }
     squares.into_iter().map(Wide::sqrt).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::statistics::budget::plausible;
+    use crate::statistics::interval::chi_square_quantiles;
+    use crate::statistics::simulated::Draws;
+
+    const X: [f64; 5] = [0.0, 1.0, 2.0, 3.0, 7.0];
+
+    #[test]
+    fn points_on_a_line_give_the_line() {
+        let y = X.map(|x| 3.0 - 2.0 * x);
+        for noise in [Noise::Equal, Noise::Relative { weights: &[1.0, 5.0, 0.1, 2.0, 3.0] }] {
+            let line = Line::through(&X, &y, noise).unwrap();
+            assert_eq!((line.slope, line.intercept, line.at(10.0)), (-2.0, 3.0, -17.0));
+            assert!(line.slope_std_error.unwrap() < 1e-25);
+        }
+    }
+
+    #[test]
+    fn known_variances_give_the_textbook_standard_errors() {
+        let variances = [0.5, 1.0, 0.25, 2.0, 1.0];
+        let y = [1.0, 0.5, 3.0, 2.0, 9.0];
+        let line = Line::through(&X, &y, Noise::Known { variances: &variances }).unwrap();
+        let weighted = |f: &dyn Fn(usize) -> f64| (0..5).map(|k| f(k) / variances[k]).sum::<f64>();
+        let total = weighted(&|_| 1.0);
+        let mean = weighted(&|k| X[k]) / total;
+        let spread = weighted(&|k| (X[k] - mean).powi(2));
+        let slope = weighted(&|k| (X[k] - mean) * y[k]) / spread;
+        assert!((line.slope / slope - 1.0).abs() < 1e-14);
+        assert!((line.slope_std_error.unwrap() * spread.sqrt() - 1.0).abs() < 1e-14);
+        let at_zero = (1.0 / total + mean * mean / spread).sqrt();
+        assert!((line.intercept_std_error.unwrap() / at_zero - 1.0).abs() < 1e-14);
+        let interval = line.slope_interval(0.95).unwrap();
+        assert!((interval.width() * spread.sqrt() / 2.0 - 1.959_963_984_540_054).abs() < 1e-12);
+        // The scale of the weights does not move a line, nor its error where that comes from the residuals.
+        let relative = |factor: f64| {
+            let weights = variances.map(|variance| factor / variance);
+            Line::through(&X, &y, Noise::Relative { weights: &weights }).unwrap()
+        };
+        let (one, many) = (relative(1.0), relative(1e6));
+        assert!((one.slope - line.slope).abs() < 1e-14 && (many.slope - line.slope).abs() < 1e-14);
+        assert!((one.slope_std_error.unwrap() / many.slope_std_error.unwrap() - 1.0).abs() < 1e-13);
+    }
+
+    #[test]
+    fn intervals_of_the_slope_cover_what_they_claim() {
+        let mut draws = Draws::named("intervals_of_the_slope_cover_what_they_claim");
+        let variances = [0.1, 0.4, 0.2, 1.0, 0.05];
+        let (_, limit) = chi_square_quantiles(0.9, 3.0).unwrap();
+        let (runs, mut known, mut estimated, mut fits) = (4000, 0, 0, 0);
+        for _ in 0..runs {
+            let y: Vec<f64> = (0..5).map(|k| 1.0 - 2.0 * X[k] + f64::sqrt(variances[k]) * draws.normal()).collect();
+            let line = Line::through(&X, &y, Noise::Known { variances: &variances }).unwrap();
+            known += u64::from(line.slope_interval(0.95).unwrap().contains(-2.0));
+            fits += u64::from(line.lack_of_fit().0 < limit);
+            let weights = variances.map(|variance| 7.0 / variance);
+            let line = Line::through(&X, &y, Noise::Relative { weights: &weights }).unwrap();
+            estimated += u64::from(line.slope_interval(0.95).unwrap().contains(-2.0));
+        }
+        assert!(plausible(known, runs, 0.95, 0.95), "{known} of {runs}");
+        assert!(plausible(estimated, runs, 0.95, 0.95), "{estimated} of {runs}");
+        assert!(plausible(fits, runs, 0.95, 0.95), "{fits} of {runs} below the 95 % point of lack of fit");
+    }
+
+    #[test]
+    fn two_points_have_a_line_and_no_error_of_it() {
+        let line = Line::through(&[1.0, 2.0], &[5.0, 3.0], Noise::Equal).unwrap();
+        assert_eq!((line.slope, line.slope_std_error, line.slope_interval(0.95)), (-2.0, None, None));
+        let line = Line::through(&[1.0, 2.0], &[5.0, 3.0], Noise::Known { variances: &[0.5, 0.5] }).unwrap();
+        assert_eq!(line.slope_std_error, Some(1.0));
+    }
+
+    #[test]
+    fn what_cannot_be_fitted_is_said() {
+        let through = |x: &[f64], y: &[f64], noise| Line::through(x, y, noise).unwrap_err();
+        assert_eq!(through(&[1.0], &[1.0], Noise::Equal), FitError::TooFew { observations: 1, coefficients: 2 });
+        assert_eq!(through(&[2.0; 3], &[1.0; 3], Noise::Equal), FitError::Dependent { column: 1 });
+        assert_eq!(through(&[1.0, 2.0], &[1.0], Noise::Equal), FitError::LengthsDiffer { expected: 1, found: 2 });
+        assert_eq!(
+            through(&X, &[1.0, 2.0, f64::NAN, 4.0, 5.0], Noise::Equal),
+            FitError::NotFinite { observation: 2 }
+        );
+        let variances = [1.0, 1.0, 1.0, 0.0, 1.0];
+        assert_eq!(through(&X, &X, Noise::Known { variances: &variances }), FitError::NoWeight { observation: 3 });
+        assert!(fit(&[], &X, Noise::Equal).is_err());
+        // A third column that is the sum of two.
+        let (a, b) = ([1.0; 5], X);
+        let sum = X.map(|x| 1.0 + x);
+        assert_eq!(fit(&[&a, &b, &sum], &X, Noise::Equal), Err(FitError::Dependent { column: 2 }));
+    }
 }

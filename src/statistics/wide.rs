@@ -58,6 +58,7 @@ impl Wide {
         Wide::sum(root, (self - Wide::product(root, root)).high / (2.0 * root))
     }
 
+    #[cfg(test)]
     pub fn abs(self) -> Wide {
         if self.high < 0.0 { -self } else { self }
     }

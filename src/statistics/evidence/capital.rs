@@ -1,6 +1,6 @@
 //! Capital: what the bets on one statement have grown to.
 
-use super::bets::{BETS, bets, weights};
+use super::bets::{BETS, bets, ln_shares};
 use super::{Observed, Statement, ln_of_sum};
 
 /// Σ(x − pivot) is trusted to this times √(n Σ(x − pivot)²), which is at least Σ|x − pivot|, and Σ(x − pivot)² to twice
@@ -70,7 +70,7 @@ impl Capital {
         if *self == Capital::new() {
             return 0.0; // which the rounding of the shares would miss
         }
-        ln_of_sum(self.ln.iter().zip(weights()).map(|(ln, weight)| ln + weight.ln()))
+        ln_of_sum(self.ln.iter().zip(ln_shares()).map(|(ln, share)| ln + share))
     }
 }
 

@@ -37,8 +37,8 @@ fn delyons_inequality_holds_on_a_grid() {
 
 #[test]
 fn shares_of_the_bets_sum_to_one() {
-    assert_eq!(bets::weights().count(), bets::BETS);
-    assert!((bets::weights().sum::<f64>() - 1.0).abs() < 1e-15);
+    assert_eq!(bets::ln_shares().count(), bets::BETS);
+    assert!((bets::ln_shares().map(f64::exp).sum::<f64>() - 1.0).abs() < 1e-15);
     assert_eq!(bets::bets(100.0).count() + 1, bets::BETS);
 }
 
@@ -305,4 +305,62 @@ fn averages_of_logarithms_do_not_overflow() {
     assert!((ln_average([f64::NEG_INFINITY, 0.0]) + 2f64.ln()).abs() < 1e-15);
     assert_eq!((log10_capped(1e5), log10_capped(f64::NEG_INFINITY)), (300.0, -300.0));
     assert!((log10_capped(ALPHA.ln()) + THRESHOLD_LOG10).abs() < 1e-12);
+}
+
+/// Rare hits: the shift adds light to every value (a leak), the spread stays that of the hits.
+#[test]
+fn a_leak_beside_rare_hits_is_caught_as_planned() {
+    let mut draws = Draws::named("a_leak_beside_rare_hits_is_caught_as_planned");
+    // One ray in a thousand arrives; 256 of them an estimate, so that one estimate in four is not zero.
+    let p = 1e-3;
+    let (samples, n, runs) = (256, 1024, 300);
+    let count = Binomial::new(p, samples).unwrap();
+    let cumulative: Vec<f64> = (0..12)
+        .map(|k| count.pmf(k))
+        .scan(0.0, |sum, p| {
+            Some({
+                *sum += p;
+                *sum
+            })
+        })
+        .collect();
+    let (mean, variance) = (p, p * (1.0 - p) / samples as f64);
+    let statement = Statement::near(mean, 0.0, variance);
+    for (sign, least) in [(1.0, 0.98), (-1.0, 0.97)] {
+        let shift = sign * smallest_shift(variance, n, 1);
+        let caught = (0..runs)
+            .filter(|_| {
+                let observed = observe(n, mean, || {
+                    let u = draws.uniform();
+                    cumulative.iter().filter(|&&below| u >= below).count() as f64 / samples as f64 + shift
+                });
+                Capital::of(&statement, &observed, n).ln() >= LN_THRESHOLD
+            })
+            .count() as u64;
+        println!("sign {sign}: {caught} of {runs}");
+        assert!(plausible(caught, runs, least, 1.0), "{caught} of {runs}");
+    }
+}
+
+/// Where the shift is a share of the light itself, the spread grows with it: the worst case of planning. Exact sums.
+#[test]
+fn too_many_or_too_few_rare_hits_are_caught() {
+    let (p, n) = (1e-3, 20_000u64);
+    let statement = Statement::near(p, 0.0, p * (1.0 - p));
+    let caught = |planted: f64| -> f64 {
+        let count = Binomial::new(planted, n).unwrap();
+        let alarm = |k: &u64| Capital::of(&statement, &hits(n, *k), n).ln() >= LN_THRESHOLD;
+        (0..400).filter(alarm).map(|k| count.pmf(k)).sum()
+    };
+    // Twenty hits are expected, with a standard error of 4.47.
+    let shifted = |std_errors: f64| p + std_errors * (p * (1.0 - p) / n as f64).sqrt();
+    assert!(caught(p) <= ALPHA, "false alarms: {:e}", caught(p));
+    let planned = smallest_shift(p * (1.0 - p), n, 1) / (p * (1.0 - p) / n as f64).sqrt();
+    assert!((7.8..8.2).contains(&planned), "{planned}");
+    // A leak of that size would be caught; twice or three times the hits scatter more, and 99 % takes half as much again.
+    assert!(caught(shifted(9.5)) > 0.89, "{}", caught(shifted(9.5)));
+    assert!(caught(shifted(1.5 * planned)) > 0.99, "{}", caught(shifted(1.5 * planned)));
+    // Darkness is seen where thirty hits are expected, and more evidence is not to be had from it.
+    let darkness = |expected: u64| Capital::of(&statement, &hits(1000 * expected, 0), 1000 * expected).ln();
+    assert!(darkness(20) < LN_THRESHOLD && darkness(30) > LN_THRESHOLD, "{} {}", darkness(20), darkness(30));
 }
