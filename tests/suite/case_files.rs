@@ -488,6 +488,32 @@ fn several_mistakes_read_like_this() {
     assert_eq!(found.underlined(&found.mistakes()[1]), "-2");
 }
 
+#[test]
+fn odd_files_are_told_in_few_words() {
+    let marked = mistakes("\u{feff}radius = 1\n");
+    assert_eq!((marked.mistakes()[0].line(), marked.mistakes()[0].column()), (1, 1));
+    assert!(marked.to_string().contains("--> test.toml:1:1\n"), "{marked}");
+    let many: String = (0..1000).map(|i| format!("k{i} = 1\n")).collect();
+    let many = mistakes(&many);
+    assert_eq!(many.mistakes().len(), 1002);
+    assert!(many.to_string().ends_with("error: 802 more mistakes in the same file\n--> test.toml"), "{many}");
+    let long = SOUND.replace("[1.0, 1.0, 1.0]", &format!("{}[1.0, 1.0, 1.1]", "\n".repeat(20)));
+    let long = mistakes(&long);
+    assert!(long.to_string().lines().count() < 8, "{long}");
+    let windows = SOUND.replace("radius = 0.5", "radius = -1").replace('\n', "\r\n");
+    assert_eq!((mistakes(&windows).mistakes()[0].line(), mistakes(&windows).mistakes()[0].column()), (5, 10));
+    let deep = mistakes(&format!("a = {}", "[".repeat(100_000)));
+    assert!(matches!(deep.mistakes(), [only] if matches!(only.error, CaseError::Syntax { .. })));
+}
+
+#[test]
+fn both_places_of_a_clash_are_shown() {
+    let occluder = "[[occluder.disk]]\ncenter = [1.5, 0.0, 0.0]\nnormal = [1.0, 0.0, 0.0]\nradius = 0.1\n[receiver]";
+    let shown = mistakes(&SOUND.replace("[receiver]\n", &format!("{occluder}\n"))).to_string();
+    assert!(shown.contains("14 | [[occluder.disk]]\n   | ----------------- on this occluder"), "{shown}");
+    assert!(shown.contains("--> test.toml:25:8\n") && shown.contains(" measured here"), "{shown}");
+}
+
 /// A folder of case files.
 fn folder(files: &[(&str, &str)]) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
