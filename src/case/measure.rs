@@ -27,7 +27,7 @@ pub(super) fn receiver(node: &Node, log: &mut Log) -> Option<Receiver> {
     for (said, span, _) in given.iter().skip(1) {
         log.add(span.clone(), CaseError::SecondReceiverShape { said });
     }
-    if given.is_empty() {
+    if given.is_empty() && !node.schema.keys.iter().any(|key| node.misspells(key)) {
         let accepted = node.schema.accepted().filter(|name| *name != schema::ALBEDO.name).collect();
         log.add(node.span.clone(), CaseError::NoReceiverShape { accepted });
     }
@@ -107,8 +107,13 @@ impl Request {
 }
 
 pub(super) fn measure(node: &Node, ground: &Ground, log: &mut Log) -> Measured {
+    let before = log.len();
     let points = node.tables(&schema::POINT, &schema::MEASURE_POINT, log);
-    let any = schema::MEASURES.keys.iter().any(|key| node.has(key) || node.misspells(key));
+    let any = !points.is_empty()
+        || log.len() > before
+        || node.has(&schema::LINE)
+        || node.has(&schema::GRID)
+        || schema::MEASURES.keys.iter().any(|key| node.misspells(key));
     let mut requests = Vec::new();
     if let Some(line) = line(node, ground, log) {
         requests.push((line, node.span_of(schema::LINE.name)));

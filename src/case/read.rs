@@ -94,9 +94,12 @@ fn case(file: &CaseFile, text: &str, log: &mut Log) -> Option<Case> {
         None => Ground::None,
     };
     let measure_node = optional(&root, &schema::MEASURE, &schema::MEASURES, log);
-    let measured = measure_node.map(|node| measure::measure(&node, &ground, log));
-    let mut measured = measured.unwrap_or_else(Measured::nothing);
-    measured.any |= root.misspells(&schema::MEASURE);
+    let measured = match measure_node {
+        Some(node) => measure::measure(&node, &ground, log),
+        None => {
+            Measured { any: root.has(&schema::MEASURE) || root.misspells(&schema::MEASURE), ..Measured::nothing() }
+        }
+    };
 
     let study_node = optional(&root, &schema::STUDY, &schema::STUDIES, log);
     let study = study_node.map_or_else(Study::default, |node| settings::study(&node, log));

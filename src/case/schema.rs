@@ -361,3 +361,36 @@ pub const AT_POINT: Key = key(
     "Relative, at each point that a tenth of the light reaches.",
 );
 pub const BIAS: Table = Table { path: "study.smallest_bias", keys: &[MEAN, AT_POINT] };
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tables_below(table: &'static Table, found: &mut Vec<&'static Table>) {
+        found.push(table);
+        for key in table.keys.iter().filter(|key| key.need != Need::Later) {
+            if let Some(below) = key.value.table() {
+                assert_eq!(below.path, table.full_name(key.name), "a table's path is its key's full name");
+                tables_below(below, found);
+            }
+        }
+    }
+
+    #[test]
+    fn every_key_has_one_meaning_and_stands_in_the_documentation() {
+        let mut tables = Vec::new();
+        tables_below(&ROOT, &mut tables);
+        assert_eq!(tables.len(), 22);
+        let text = ROOT.to_string();
+        for table in tables {
+            for (at, key) in table.keys.iter().enumerate() {
+                assert!(table.keys[..at].iter().all(|other| other.name != key.name), "{} twice", key.name);
+                assert!(key.meaning.ends_with('.') && text.contains(key.meaning), "{}", key.name);
+            }
+        }
+        assert!(
+            text.contains("\n[source.disk]\n  center        an array of three numbers, m; required. Centre.\n"),
+            "{text}"
+        );
+    }
+}

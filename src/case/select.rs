@@ -12,7 +12,7 @@ use super::shipped::{Shipped, shipped};
 use super::spelling;
 use super::{Case, Ink, schema};
 
-/// Why a selection gave no cases.
+/// Why a selection gave no cases. On the command line `Nothing` is exit code 4, the others 2.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum SelectError {

@@ -92,7 +92,7 @@ pub(super) fn sphere(node: &Node, log: &mut Log) -> Option<Sphere> {
 
 fn polygon(node: &Node, log: &mut Log) -> Option<Polygon> {
     let vertices = node.vectors(&schema::VERTICES, schema::MAX_POLYGON_VERTICES, log)?;
-    examine(node, log, true, |_| Polygon::new(vertices.clone()))
+    Polygon::new(vertices).map_err(|error| note(node, log, error)).ok()
 }
 
 pub(super) fn triangle(node: &Node, log: &mut Log) -> Option<Triangle> {
@@ -103,7 +103,7 @@ pub(super) fn triangle(node: &Node, log: &mut Log) -> Option<Triangle> {
         log.add(span, CaseError::Length { key, what: "points", said: vertices.len(), expected: 3 });
         return None;
     };
-    examine(node, log, true, |_| Triangle::new(corners))
+    Triangle::new(corners).map_err(|error| note(node, log, error)).ok()
 }
 
 fn mesh(node: &Node, files: &mut Files, log: &mut Log) -> Option<Mesh> {
@@ -163,15 +163,18 @@ fn examine<T>(
     loop {
         match make(&faulty) {
             Ok(shape) => return (complete && faulty.0.is_empty()).then_some(shape),
-            Err(error) => {
-                let field = error.field();
-                let span = field.map_or(node.span.clone(), |field| node.span_of(field));
-                log.add(span, CaseError::Shape { table: node.schema.path, error });
-                match field {
-                    Some(field) if !faulty.0.contains(&field) => faulty.0.push(field),
-                    _ => return None,
-                }
-            }
+            Err(error) => match note(node, log, error) {
+                Some(field) if !faulty.0.contains(&field) => faulty.0.push(field),
+                _ => return None,
+            },
         }
     }
+}
+
+/// Notes why a shape was refused, at the key at fault, which is returned.
+fn note(node: &Node, log: &mut Log, error: ShapeError) -> Option<&'static str> {
+    let field = error.field();
+    let span = field.map_or(node.span.clone(), |field| node.span_of(field));
+    log.add(span, CaseError::Shape { table: node.schema.path, error });
+    field
 }

@@ -1,7 +1,7 @@
 //! The shipped cases show what their comments say: the borders of umbra and penumbra lie where they are said to lie.
 //!
 //! What a point sees is counted here by brute force over a lattice of source points, with plain segment tests that are
-//! used nowhere else.
+//! used nowhere else. Form factors are the plain sum over the same lattice.
 
 use etendue::case::{Case, shipped};
 use etendue::configuration::{Configuration, MeasurementPoint};
@@ -113,37 +113,171 @@ fn visible_share(configuration: &Configuration, point: &MeasurementPoint) -> f64
     seen / all
 }
 
-fn shares(case: &Case) -> Vec<f64> {
-    case.configuration.points().iter().map(|point| visible_share(&case.configuration, point)).collect()
+/// How far along a case's line a point lies: the turn of its normal about y in degrees where normals turn, else x.
+fn along(case: &Case, point: &MeasurementPoint) -> f64 {
+    let points = case.configuration.points();
+    let normal = point.normal();
+    if points.iter().all(|p| p.normal() == normal) {
+        point.position().x
+    } else {
+        normal.x.atan2(normal.z).to_degrees()
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Sees {
+    Nothing,
+    Part,
+    All,
+}
+use Sees::{All, Nothing, Part};
+
+/// What the comments of the files say: from the start of the line to each border, and what is seen up to there.
+const BORDERS: &[(&str, &[(f64, Sees)])] = &[
+    ("direct/diffuser-box", &[(9.0, All)]),
+    ("direct/disk-over-plane", &[(9.0, All)]),
+    ("direct/disk-receiver", &[(9.0, All)]),
+    ("direct/half-sunk-source", &[(9.0, Part)]),
+    ("direct/l-shaped-source", &[(9.0, All)]),
+    ("direct/rectangle-over-plane", &[(9.0, All)]),
+    ("direct/sphere-receiver", &[(63.1117, All), (78.3010, Part), (91.0, Nothing)]),
+    ("direct/sphere-source", &[(9.0, All)]),
+    ("direct/tilted-source", &[(9.0, All)]),
+    ("direct/triangle-source", &[(9.0, All)]),
+    ("direct/turning-patch", &[(68.20, All), (84.29, Part), (91.0, Nothing)]),
+    ("direct/two-sources", &[(9.0, All)]),
+    ("penumbra/annular-eclipse", &[(0.8, Part), (9.0, All)]),
+    ("penumbra/eclipse", &[(0.2, Nothing), (1.2, Part), (9.0, All)]),
+    ("penumbra/eclipse-at-sunset", &[(26.37, All), (78.3010, Part), (91.0, Nothing)]),
+    ("penumbra/eclipse-closing", &[(1e-9, Nothing), (1.0, Part), (9.0, All)]),
+    ("penumbra/half-plane", &[(-0.5, Nothing), (0.5, Part), (9.0, All)]),
+    ("penumbra/l-shaped-occluder", &[(-1.7, All), (-0.7, Part), (-0.35, Nothing), (1.7, Part), (9.0, All)]),
+    ("penumbra/overlapping-occluders", &[(-1.3, All), (-0.3, Part), (0.5, Nothing), (3.5 / 3.0, Part), (9.0, All)]),
+    ("penumbra/rectangle-behind-rectangle", &[(0.7, Nothing), (1.3, Part), (9.0, All)]),
+    ("penumbra/sphere-occluder", &[(0.4, Nothing), (1.0354, Part), (9.0, All)]),
+    ("penumbra/spheres", &[(0.13354, Nothing), (0.55518, Part), (9.0, All)]),
+    ("penumbra/three-regions", &[(0.7, Nothing), (1.3, Part), (9.0, All)]),
+    ("penumbra/tilted-occluder", &[(-1.2358, All), (-0.2770, Part), (0.2900, Nothing), (0.5807, Part), (9.0, All)]),
+    ("penumbra/two-shadows", &[(-1.65, All), (1.7, Part), (9.0, All)]),
+];
+
+/// Tested by themselves: its shadow has two dimensions, and its mesh is that of another case.
+const ELSEWHERE: [&str; 2] = ["penumbra/contact-shadow", "penumbra/eclipse-mesh"];
+
+#[test]
+fn umbra_and_penumbra_lie_where_the_files_say() {
+    let tabled = BORDERS.iter().map(|(name, _)| *name).chain(ELSEWHERE);
+    let mut tabled: Vec<_> = tabled.collect();
+    tabled.sort();
+    assert_eq!(shipped().map(|case| case.name()).collect::<Vec<_>>(), tabled, "every case has its row");
+    for (name, borders) in BORDERS {
+        let case = read(name);
+        for point in case.configuration.points() {
+            let at = along(&case, point);
+            let (_, expected) =
+                *borders.iter().find(|(border, _)| at < *border).expect("the last border is beyond all");
+            let share = visible_share(&case.configuration, point);
+            let seen = match share {
+                0.0 => Nothing,
+                share if share > 1.0 - 1e-12 => All,
+                _ => Part,
+            };
+            // A sliver may fall between the lattice points; what is seen whole or not at all may not be cut.
+            let sliver =
+                expected == Part && borders.iter().any(|(border, _)| (at - border).abs() < 0.004 * at.abs().max(2.0));
+            assert!(seen == expected || sliver, "{name} at {at}: {share} of the light, not {expected:?}");
+        }
+    }
 }
 
 #[test]
-#[ignore]
-fn dump() {
-    for entry in shipped() {
-        if entry.name().contains("mesh") {
-            continue;
+fn every_penumbra_line_crosses_penumbra_and_light() {
+    for (name, borders) in BORDERS.iter().filter(|(name, _)| name.starts_with("penumbra/")) {
+        let case = read(name);
+        let points = case.configuration.points();
+        let ats: Vec<f64> = points.iter().map(|point| along(&case, point)).collect();
+        let mut from = f64::MIN;
+        for (to, sees) in *borders {
+            let n = ats.iter().filter(|at| from <= **at && **at < *to).count();
+            assert!(n >= 1, "{name}: no point sees {sees:?} before {to}");
+            from = *to;
         }
-        let case = entry.read().unwrap_or_else(|e| panic!("{e}"));
-        let shares = shares(&case);
-        println!("{}", case.name);
-        let kind = |s: f64| {
-            if s == 0.0 {
-                "umbra"
-            } else if s > 1.0 - 1e-12 {
-                "lit"
-            } else {
-                "part"
-            }
-        };
-        let mut last = "";
-        for (p, s) in case.configuration.points().iter().zip(&shares) {
-            if kind(*s) != last || *s < 1e-3 && *s > 0.0 {
-                last = kind(*s);
-                let (q, n) = (p.position(), p.normal());
-                print!("  {last} from {:.4},{:.4} {:.3}deg {s:.5} ", q.x, q.y, n.x.atan2(n.z).to_degrees());
-            }
-        }
-        println!();
     }
+}
+
+#[test]
+fn a_contact_shadow_softens_away_from_the_contact() {
+    let case = read("penumbra/contact-shadow");
+    let partly = |column: usize| {
+        let points = case.configuration.points().iter().skip(column).step_by(5);
+        points
+            .filter(|point| {
+                let share = visible_share(&case.configuration, point);
+                share > 0.0 && share < 1.0 - 1e-12
+            })
+            .count()
+    };
+    assert_eq!((0..5).map(partly).collect::<Vec<_>>(), [1, 3, 5, 7, 9]);
+}
+
+#[test]
+fn the_mesh_is_the_disk_of_the_eclipse() {
+    let (mesh, disk) = (read("penumbra/eclipse-mesh"), read("penumbra/eclipse"));
+    assert_eq!(mesh.configuration.points(), disk.configuration.points());
+    assert_eq!(mesh.configuration.sources(), disk.configuration.sources());
+    let (Shape::Mesh(fan), Shape::Disk(round)) =
+        (&mesh.configuration.occluders()[0], &disk.configuration.occluders()[0])
+    else {
+        panic!("a mesh and a disk")
+    };
+    assert_eq!(fan.triangles().len(), 100_352);
+    let inscribed = 196.0 * (std::f64::consts::TAU / 392.0).sin() * round.radius() * round.radius();
+    // A sum of 100,352 terms may be off by as many roundings.
+    approx::assert_relative_eq!(fan.area(), inscribed, max_relative = 1e5 * f64::EPSILON);
+    for (at, vertex) in fan.vertices().iter().enumerate() {
+        let reach = (*vertex - round.center()).length();
+        assert!(vertex.z == 1.0 && reach <= round.radius() * (1.0 + 1e-15), "vertex {at} lies {reach} m out");
+    }
+}
+
+/// Form factors that the files' comments give, at a place on their line.
+const FORM_FACTORS: &[(&str, DVec3, f64)] = &[
+    ("direct/disk-over-plane", DVec3::ZERO, 0.058824),
+    ("direct/rectangle-over-plane", DVec3::ZERO, 0.045201),
+    ("direct/triangle-source", DVec3::ZERO, 0.037882),
+    ("direct/l-shaped-source", DVec3::ZERO, 0.036268),
+    ("direct/sphere-source", DVec3::ZERO, 0.04),
+    ("direct/tilted-source", DVec3::new(-2.0, 0.0, 0.0), 0.012814),
+    ("direct/tilted-source", DVec3::new(-1.0, 0.0, 0.0), 0.038227),
+    ("direct/tilted-source", DVec3::new(0.0, 0.0, 0.0), 0.035148),
+    ("direct/tilted-source", DVec3::new(1.0, 0.0, 0.0), 0.018573),
+    ("direct/tilted-source", DVec3::new(2.0, 0.0, 0.0), 0.008945),
+];
+
+#[test]
+fn form_factors_are_those_of_the_files() {
+    for (name, position, expected) in FORM_FACTORS {
+        let case = read(name);
+        let point = MeasurementPoint::new(*position, DVec3::Z).unwrap();
+        let source = &case.configuration.sources()[0];
+        let mut n = 0;
+        let mut sum = 0.0;
+        let lattice = |k: usize| (k as f64 + 0.5) / LATTICE as f64;
+        for k in 0..LATTICE * LATTICE {
+            let Some((at, normal)) = source_point(source.shape(), lattice(k % LATTICE), lattice(k / LATTICE)) else {
+                continue;
+            };
+            let towards = at - point.position();
+            let cosines = point.normal().dot(towards).max(0.0) * (-normal.dot(towards)).max(0.0);
+            sum += cosines / (std::f64::consts::PI * towards.length_squared().powi(2));
+            n += 1;
+        }
+        // The mean over the lattice is the integral to its spacing; where the lattice is cut by an outline, to a row of it.
+        approx::assert_relative_eq!(source.shape().area() * sum / f64::from(n), *expected, max_relative = 2e-3);
+    }
+}
+
+fn read(name: &str) -> Case {
+    let case = shipped().find(|case| case.name() == name).unwrap_or_else(|| panic!("{name} is not shipped"));
+    case.read().unwrap_or_else(|mistakes| panic!("{mistakes}"))
 }
