@@ -49,6 +49,8 @@ pub(super) struct Prepared<'a> {
     pub truths: &'a [Truth],
     /// Exact irradiance at each point, W/m².
     pub exact: Vec<f64>,
+    /// The sources' light at each point, of which it may see a share, W/m².
+    pub full: Vec<f64>,
     pub estimator: &'a AreaEstimator,
     pub contrasts: Contrasts,
 }

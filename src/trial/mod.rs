@@ -8,9 +8,9 @@ mod correlation;
 mod judge;
 mod measure;
 mod outcome;
-mod peak;
 mod plan;
 mod rates;
+mod reach;
 mod run;
 mod settings;
 

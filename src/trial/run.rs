@@ -11,6 +11,7 @@ use super::measure::{CellSums, Contrasts, Prepared, measure};
 use super::outcome::{CaseOutcome, Cell, Measured, RunOutcome, StrategyOutcome, Timing};
 use super::plan::{CellPlan, pilot_replicates};
 use super::rates::rates;
+use super::reach::full;
 use super::settings::Settings;
 use crate::case::{Case, Study};
 use crate::configuration::{Configuration, MeasurementPoint};
@@ -81,7 +82,9 @@ fn run_case(
     let exact: Vec<f64> = truths.iter().map(|truth| truth.irradiance.watts_per_square_metre()).collect();
     let estimator = AreaEstimator::new(&case.configuration);
     let contrasts = Contrasts::new(&exact);
-    let prepared = Prepared { case, seed: settings.seed, truths: &truths, exact, estimator: &estimator, contrasts };
+    let full = full(&case.configuration, &oracle, &truths);
+    let prepared =
+        Prepared { case, seed: settings.seed, truths: &truths, exact, full, estimator: &estimator, contrasts };
     let strategies = study
         .strategies
         .iter()

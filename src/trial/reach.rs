@@ -1,9 +1,52 @@
-//! The most that one sample can bring: a rigorous ceiling for variances that a pilot cannot see.
+//! How much light there is to be had: the most that one sample can bring, and all that the sources could send.
 
 use std::f64::consts::PI;
 
+use glam::DVec3;
+
 use crate::configuration::{Configuration, MeasurementPoint};
 use crate::geometry::Shape;
+use crate::oracle::{Oracle, Truth};
+
+/// The sources' light at each point, W/m²: the unoccluded irradiance, and where the point's own horizon cuts a source
+/// (which the unoccluded irradiance leaves out) that of an element at the same place turned to the sources' middle.
+pub(super) fn full(configuration: &Configuration, oracle: &Oracle, truths: &[Truth]) -> Vec<f64> {
+    let bounds = configuration.sources().iter().map(|source| source.shape().bounds());
+    let (low, high) = bounds.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)));
+    let middle = low * 0.5 + high * 0.5;
+    configuration
+        .points()
+        .iter()
+        .zip(truths)
+        .map(|(point, truth)| {
+            let unoccluded = truth.unoccluded_irradiance.watts_per_square_metre();
+            let sunk = configuration.sources().iter().any(|source| lowest(source.shape(), point) < 0.0);
+            if !sunk {
+                return unoccluded;
+            }
+            // An element in the middle of its sources has no side to turn.
+            let turned = MeasurementPoint::new(point.position(), middle - point.position());
+            let facing = turned.map(|turned| oracle.at(&turned).unoccluded_irradiance.watts_per_square_metre());
+            unoccluded.max(facing.unwrap_or(0.0))
+        })
+        .collect()
+}
+
+/// Least height of a shape over a point's tangent plane, metres.
+fn lowest(shape: &Shape, point: &MeasurementPoint) -> f64 {
+    let height = |p: DVec3| (p - point.position()).dot(point.normal());
+    let lowest_of = |points: &[DVec3]| points.iter().map(|p| height(*p)).fold(f64::INFINITY, f64::min);
+    match shape {
+        Shape::Disk(s) => {
+            let cosine = s.normal().dot(point.normal());
+            height(s.center()) - s.radius() * (1.0 - cosine * cosine).max(0.0).sqrt()
+        }
+        Shape::Sphere(s) => height(s.center()) - s.radius(),
+        Shape::Rectangle(s) => lowest_of(&s.corners()),
+        Shape::Polygon(s) => lowest_of(s.vertices()),
+        Shape::Mesh(s) => lowest_of(s.vertices()),
+    }
+}
 
 /// An upper bound of Σ_S A · M · cosθᵢ cosθₛ / (π r²) over the points of the sources, W/m².
 ///
@@ -17,8 +60,8 @@ pub(super) fn peak(configuration: &Configuration, point: &MeasurementPoint) -> f
         .iter()
         .map(|source| {
             let (low, high) = source.shape().bounds();
-            let to_box = (low - x).max(x - high).max(glam::DVec3::ZERO).length();
-            let height = |normal: glam::DVec3, on_plane: glam::DVec3| (x - on_plane).dot(normal);
+            let to_box = (low - x).max(x - high).max(DVec3::ZERO).length();
+            let height = |normal: DVec3, on_plane: DVec3| (x - on_plane).dot(normal);
             let kernel = match source.shape() {
                 Shape::Sphere(s) => {
                     let distance = (x - s.center()).length() - s.radius();
@@ -47,7 +90,7 @@ mod tests {
     use super::*;
     use crate::configuration::{Arrangement, Source};
     use crate::estimator::{AreaEstimator, Scratch};
-    use crate::geometry::{DVec3, Disk, Rectangle, Sphere};
+    use crate::geometry::{Disk, Rectangle, Sphere};
     use crate::radiometry::Exitance;
     use crate::sampling::{Strategy, StreamKey};
 
