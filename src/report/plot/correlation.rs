@@ -35,7 +35,7 @@ pub fn correlation(case: &CaseOutcome) -> Option<Page> {
         panel.curve(&mut page, [(0.0, 0.0), (panel.x.high(), 0.0)], INK, 1.0, Dash::Solid);
         draw_strategy(&mut page, &panel, strategy);
     }
-    page.text((left, HEIGHT - 14.0), "Bands: 95 %.", SMALL, GREY, Align::Start);
+    page.text((24.0, HEIGHT - 18.0), "Bands: 95 %.", SMALL, GREY, Align::Start);
     Some(page)
 }
 

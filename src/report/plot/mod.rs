@@ -8,6 +8,7 @@ mod correlation;
 mod ink;
 mod map;
 mod panel;
+mod picture;
 mod profile;
 mod style;
 mod text;
@@ -68,14 +69,5 @@ fn png(page: &ink::Page) -> Result<Vec<u8>, String> {
     let mut pixels = vec![0; 3 * (size.0 * size.1) as usize];
     page.draw(&BitMapBackend::with_buffer(&mut pixels, size).into_drawing_area(), PIXELS, false)?;
     text::set_texts(&mut pixels, size.0 as usize, PIXELS, page.texts());
-    let mut bytes = Vec::new();
-    let mut encoder = ::png::Encoder::new(&mut bytes, size.0, size.1);
-    encoder.set_color(::png::ColorType::Rgb);
-    encoder.set_depth(::png::BitDepth::Eight);
-    encoder.set_compression(::png::Compression::Fast);
-    encoder.set_filter(::png::FilterType::Up);
-    let mut writer = encoder.write_header().map_err(|e| e.to_string())?;
-    writer.write_image_data(&pixels).map_err(|e| e.to_string())?;
-    writer.finish().map_err(|e| e.to_string())?;
-    Ok(bytes)
+    picture::encoded(&pixels, size)
 }
