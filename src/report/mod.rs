@@ -328,12 +328,9 @@ mod tests {
         }
     }
 
-    #[cfg(feature = "plots")]
-    #[test]
-    fn a_case_without_light_is_reported_without_plots_that_would_be_empty() {
-        let mut outcome = made_up::outcome();
-        outcome.cases.truncate(1);
-        let case = &mut outcome.cases[0];
+    /// The case when nothing is due anywhere, and nothing arrives.
+    fn in_the_dark(mut case: crate::trial::CaseOutcome) -> crate::trial::CaseOutcome {
+        case.name = "dark".to_owned();
         for truth in &mut case.truths {
             truth.irradiance = crate::radiometry::Irradiance::new(0.0);
             truth.region = Region::Umbra;
@@ -349,6 +346,14 @@ mod tests {
                 }
             }
         }
+        case
+    }
+
+    #[cfg(feature = "plots")]
+    #[test]
+    fn a_case_without_light_is_reported_without_plots_that_would_be_empty() {
+        let mut outcome = made_up::outcome();
+        outcome.cases = vec![in_the_dark(outcome.cases[0].clone())];
         let dir = tempfile::tempdir().unwrap();
         write(dir.path(), &outcome, &OPTIONS).unwrap();
         let plots = contents(&dir.path().join("plots"));
@@ -397,7 +402,15 @@ mod tests {
     fn made_up_plots_to_look_at() {
         let dir = std::env::temp_dir().join("etendue-plots");
         claim(&dir).unwrap();
-        write(&dir, &made_up::outcome(), &OPTIONS).unwrap();
+        let mut outcome = made_up::outcome();
+        let mut plain = outcome.cases[0].clone();
+        plain.name = "plain".to_owned();
+        plain.strategies.truncate(1);
+        plain.strategies[0].rates.truncate(1);
+        plain.strategies[0].cells.drain(..3);
+        outcome.cases.push(plain);
+        outcome.cases.push(in_the_dark(outcome.cases[0].clone()));
+        write(&dir, &outcome, &OPTIONS).unwrap();
     }
 
     #[test]

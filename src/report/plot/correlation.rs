@@ -45,7 +45,8 @@ fn draw_strategy(page: &mut Page, panel: &Panel, strategy: &StrategyOutcome) {
     let mut predicted = false;
     for (k, &samples) in counts.iter().enumerate() {
         let look = shade(look(strategy.strategy), k);
-        let curve: Vec<&Correlation> = strategy.correlations.iter().filter(|c| c.samples == samples).collect();
+        let mut curve: Vec<&Correlation> = strategy.correlations.iter().filter(|c| c.samples == samples).collect();
+        curve.sort_by(|a, b| a.separation.total_cmp(&b.separation));
         let band: Vec<_> = curve.iter().map(|c| (c.separation, c.low, c.high)).collect();
         panel.band(page, &band, look.colour, 0.18);
         panel.curve(page, curve.iter().map(|c| (c.separation, c.correlation)), look.colour, 1.5, look.dash);

@@ -11,7 +11,7 @@ use crate::configuration::Arrangement;
 use crate::trial::{CaseOutcome, Cell, StrategyOutcome};
 
 /// Shades of a colour scale: few enough that neighbours of one shade can be drawn as one.
-const SHADES: usize = 96;
+const SHADES: usize = 80;
 
 /// `None` where the points fill no area.
 pub fn map(case: &CaseOutcome) -> Option<Page> {

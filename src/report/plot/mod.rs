@@ -57,7 +57,7 @@ fn svg(page: &ink::Page) -> Result<Vec<u8>, String> {
     text::load_font();
     let mut text = String::new();
     let size = ((page.width * UNITS) as u32, (page.height * UNITS) as u32);
-    page.draw(&SVGBackend::with_string(&mut text, size).into_drawing_area(), UNITS, true)?;
+    page.draw(&SVGBackend::with_string(&mut text, size).into_drawing_area(), UNITS, ink::Medium::Svg)?;
     let finer = format!("width=\"{}\" height=\"{}\"", size.0, size.1);
     let shown = format!("width=\"{}\" height=\"{}\"", page.width, page.height);
     Ok(text.replacen(&finer, &shown, 1).into_bytes())
@@ -67,7 +67,7 @@ fn svg(page: &ink::Page) -> Result<Vec<u8>, String> {
 fn png(page: &ink::Page) -> Result<Vec<u8>, String> {
     let size = ((page.width * PIXELS) as u32, (page.height * PIXELS) as u32);
     let mut pixels = vec![0; 3 * (size.0 * size.1) as usize];
-    page.draw(&BitMapBackend::with_buffer(&mut pixels, size).into_drawing_area(), PIXELS, false)?;
+    page.draw(&BitMapBackend::with_buffer(&mut pixels, size).into_drawing_area(), PIXELS, ink::Medium::Pixels)?;
     text::set_texts(&mut pixels, size.0 as usize, PIXELS, page.texts());
     picture::encoded(&pixels, size)
 }

@@ -39,7 +39,12 @@ pub fn profile(case: &CaseOutcome) -> Option<Page> {
             largest = largest.max(reach(cell, i));
         }
     }
-    let y = Axis::linear(0.0, 1.08 * top, false, 6);
+    if top == 0.0 {
+        // In the dark the axis shows what would be there without occluders.
+        let open = case.truths.iter().map(|t| t.unoccluded_irradiance.watts_per_square_metre());
+        top = open.fold(0.0, f64::max);
+    }
+    let y = Axis::linear(0.0, if top > 0.0 { 1.08 * top } else { 1.0 }, false, 6);
     let largest = if largest > 0.0 { largest } else { 1e-3 * y.high() };
     let (left, right) = (104.0, WIDTH - 24.0);
     let upper = Panel { left, top: 88.0, right, bottom: 340.0, x: x.unlabelled(), y };
