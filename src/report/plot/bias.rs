@@ -55,7 +55,7 @@ pub fn bias(case: &CaseOutcome) -> Option<Page> {
         for cell in &strategy.cells {
             let (n, bias) = (cell.samples as f64, cell.mean_bias / unit);
             let half = NORMAL_95 * cell.mean_bias_std_error / unit;
-            panel.bar(&mut page, n, bias - half, bias + half, aside, 4.0, look.colour);
+            panel.bar(&mut page, (n, bias - half, bias + half), aside, 4.0, look.colour);
             let (x, y) = panel.at(n, bias);
             page.marker((x + aside, y), look.marker, look.colour, 3.8);
         }

@@ -86,6 +86,6 @@ fn shade(look: Look, k: usize) -> Look {
     let (with, share) = [(255, 0.45), (0, 0.0), (0, 0.45)][k % 3];
     let colour = plotters::style::RGBColor(mixed(r, with, share), mixed(g, with, share), mixed(b, with, share));
     let (marker, dash) =
-        [(Marker::Circle, Dash::Solid), (Marker::Square, Dash::Dashed), (Marker::Diamond, Dash::DashDot)][k % 3];
+        [(Marker::Circle, Dash::Solid), (Marker::Square, Dash::Dashed), (Marker::Diamond, Dash::Alternating)][k % 3];
     Look { colour, marker, dash }
 }

@@ -80,13 +80,13 @@ pub fn profile(case: &CaseOutcome) -> Option<Page> {
         if line {
             draw_band(&mut page, &upper, &spreads, look.colour, look.dash);
         } else {
-            spreads.iter().for_each(|&(x, low, high)| upper.bar(&mut page, x, low, high, aside, 3.0, look.colour));
+            spreads.iter().for_each(|spread| upper.bar(&mut page, *spread, aside, 3.0, look.colour));
         }
         let every = if line { n * exact.len().div_ceil(16 * n) } else { 1 };
         let offset = every / n * k;
         for (i, point) in cell.points.iter().enumerate() {
             let half = NORMAL_95 * point.bias_std_error;
-            lower.bar(&mut page, along[i], point.bias - half, point.bias + half, aside, 0.0, look.colour);
+            lower.bar(&mut page, (along[i], point.bias - half, point.bias + half), aside, 0.0, look.colour);
             let (x, y) = lower.at(along[i], point.bias);
             page.marker((x + aside, y), look.marker, look.colour, if line { 2.0 } else { 3.0 });
             if i % every == offset % every {
