@@ -1,6 +1,5 @@
 //! The folder of a report: claimed before the work starts, swept of an earlier run, filled file by file.
 
-use std::collections::HashSet;
 use std::fs;
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
@@ -20,6 +19,7 @@ pub(super) const FILES: [&str; 6] =
     ["convergence.csv", "rates.csv", "correlation.csv", "verdicts.csv", "timings.csv", "manifest.json"];
 
 /// A case's name may fill this much of a file name, bytes.
+#[cfg(feature = "plots")]
 const LONGEST_STEM: usize = 120;
 
 /// Makes the folder, makes sure that files can be written and moved in it, and removes the files of an earlier report,
@@ -89,8 +89,9 @@ pub(super) fn write_whole(dir: &Path, name: &str, content: &[u8]) -> Result<Path
 ///
 /// Path separators become `-`, and so does whatever is no letter, digit, `-`, `_` or `.`; `.` and `..` vanish. Names
 /// that then coincide (also on file systems that fold case) are numbered in order.
+#[cfg(feature = "plots")]
 pub(super) fn file_stems<'a>(names: impl IntoIterator<Item = &'a str>) -> Vec<String> {
-    let mut taken = HashSet::new();
+    let mut taken = std::collections::HashSet::new();
     let stem = |name: &str| {
         let parts = name.split(['/', '\\']).filter(|part| !matches!(*part, "" | "." | ".."));
         let joined = parts.collect::<Vec<_>>().join("-");
@@ -119,6 +120,7 @@ pub(super) fn file_stems<'a>(names: impl IntoIterator<Item = &'a str>) -> Vec<St
 mod tests {
     use super::*;
 
+    #[cfg(feature = "plots")]
     #[test]
     fn case_names_cannot_leave_the_plots_folder() {
         let names = ["../x", "/etc/passwd", "..\\..\\x", "a/../../b", ".hidden", "..", "", "C:\\x", "a\0b", "a b\n"];
@@ -130,6 +132,7 @@ mod tests {
         assert_eq!(file_stems(["penumbra/eclipse"]), ["penumbra-eclipse"]);
     }
 
+    #[cfg(feature = "plots")]
     #[test]
     fn different_cases_have_different_files() {
         assert_eq!(file_stems(["a/b", "a-b", "A-B", "a-b-2"]), ["a-b", "a-b-2", "A-B-3", "a-b-2-2"]);

@@ -143,8 +143,8 @@ fn strategy_outcome(
         .into_iter()
         .filter_map(|region| rate(strategy, &cells, truths, region))
         .collect();
-    let separations = points.iter().map(|p| (p.position() - points[0].position()).length());
-    let separations: Vec<f64> = separations.skip(1).step_by(2).collect();
+    let farthest = points.iter().map(|p| (p.position() - points[0].position()).length()).fold(0.0, f64::max);
+    let separations: Vec<f64> = (1..=32).map(|k| farthest * f64::from(k) / 32.0).collect();
     let correlations = [1, 64, 1024]
         .into_iter()
         .flat_map(|samples| separations.iter().map(move |s| (samples, *s)))

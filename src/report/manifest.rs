@@ -17,7 +17,7 @@ struct Manifest<'a> {
     command: &'a str,
     /// Features of the machine that change bits. There are none: elementary functions come from one portable
     /// library, results merge in index order, and nothing fuses or reorders floating-point operations.
-    machine_features: [&'static str; 0],
+    machine_features_that_change_bits: [&'static str; 0],
     cases: Vec<ManifestCase<'a>>,
 }
 
@@ -38,7 +38,7 @@ pub(super) fn manifest(outcome: &RunOutcome, generator: &str) -> String {
         seed: outcome.seed,
         generator,
         command: &outcome.command,
-        machine_features: [],
+        machine_features_that_change_bits: [],
         cases: outcome
             .cases
             .iter()

@@ -19,6 +19,8 @@ mod terminal;
 
 #[cfg(test)]
 mod made_up;
+#[cfg(test)]
+mod tests;
 
 use std::path::{Path, PathBuf};
 
@@ -103,22 +105,4 @@ the tables.)*
         exact::exact().described(),
     ]
     .join("\n")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn options() -> ReportOptions<'static> {
-        ReportOptions { generator: "8 lanes of xoshiro256++", plots: true }
-    }
-
-    /// Not a law: plots to look at, in the system's folder for passing files.
-    #[test]
-    #[ignore = "writes plots for people to look at"]
-    fn made_up_plots_to_look_at() {
-        let dir = std::env::temp_dir().join("etendue-plots");
-        claim(&dir).unwrap();
-        write(&dir, &made_up::outcome(), &options()).unwrap();
-    }
 }

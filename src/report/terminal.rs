@@ -25,6 +25,8 @@ impl Default for TableOptions<'_> {
 
 /// A case's name keeps at least this many characters.
 const NARROWEST_NAME: usize = 8;
+/// Shorter names than this are not asked for while another column can go.
+const COMFORTABLE_NAME: usize = 20;
 /// Beyond this a table is harder to read across, not easier.
 const WIDEST: usize = 120;
 
@@ -88,12 +90,16 @@ fn write_lines(text: &mut String, lines: &[Line], options: &TableOptions) {
     for row in &rows {
         row.iter().enumerate().for_each(|(i, cell)| widths[i] = widths[i].max(width(cell)));
     }
-    let gaps = 2 * (head.len() - 1);
-    let others = widths.iter().sum::<usize>() - widths[1] + gaps;
-    widths[1] = widths[1].min(options.width.min(WIDEST).saturating_sub(others).max(NARROWEST_NAME));
+    let room = |columns: usize| {
+        let others = widths[..columns].iter().sum::<usize>() - widths[1] + 2 * (columns - 1);
+        options.width.min(WIDEST).saturating_sub(others)
+    };
+    // Where names would suffer, the evidence goes: verdicts follow from it, and the CSV has it.
+    let columns = if room(head.len()) < widths[1].min(COMFORTABLE_NAME) { head.len() - 1 } else { head.len() };
+    widths[1] = widths[1].min(room(columns).max(NARROWEST_NAME));
     let mut put = |row: &[String; 7], verdict: Option<Verdict>| {
         let mut line = String::new();
-        for (i, cell) in row.iter().enumerate() {
+        for (i, cell) in row.iter().enumerate().take(columns) {
             let cell = if i == 1 { shortened(cell, widths[1]) } else { cell.clone() };
             let pad = " ".repeat(widths[i] - width(&cell));
             let cell = match verdict {
@@ -211,4 +217,91 @@ fn shortened(name: &str, width: usize) -> String {
     let tail = (width - 1) / 2;
     let head = width - 1 - tail;
     name.chars().take(head).chain(['…']).chain(name.chars().skip(n - tail)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::made_up;
+
+    fn with_failure() -> RunOutcome {
+        let mut outcome = made_up::outcome();
+        let failed = &mut outcome.cases[0].strategies[1].verdicts[0];
+        failed.verdict = Verdict::Fail;
+        failed.evidence = 8.34;
+        (failed.effect, failed.effect_low, failed.effect_high) = (0.0123, 0.0111, 0.0135);
+        failed.words = "the mean over the points is off by +1.23 %".to_owned();
+        let undecided = &mut outcome.cases[1].strategies[2].verdicts[0];
+        undecided.verdict = Verdict::Undecided;
+        undecided.words = "a bias of 4 % could have gone unseen; 12 times the replicates would do".to_owned();
+        outcome
+    }
+
+    #[test]
+    fn a_table_is_one_line_a_verdict_and_what_matters_again_below() {
+        let report = Path::new("reports/latest");
+        let text = table(&with_failure(), &TableOptions { report: Some(report), ..Default::default() });
+        let expected = "\
+verdict    case              strategy    property     effect (95 %)     seen from  evidence
+PASS       penumbra/eclipse  random      bias      +0.012 ± 0.095 %  0.42 / 8.1 %      −0.3
+FAIL       penumbra/eclipse  correlated  bias        +1.23 ± 0.12 %  0.93 / 8.1 %       8.3
+PASS       penumbra/eclipse  stratified  bias      +0.012 ± 0.095 %  0.11 / 8.1 %      −0.3
+PASS       direct/disk-grid  random      bias      +0.012 ± 0.095 %  0.42 / 8.1 %      −0.3
+PASS       direct/disk-grid  correlated  bias      +0.012 ± 0.095 %  0.93 / 8.1 %      −0.3
+UNDECIDED  direct/disk-grid  stratified  bias      +0.012 ± 0.095 %  0.11 / 8.1 %      −0.3
+PASS       ../three points   random      bias      +0.012 ± 0.095 %  0.42 / 8.1 %      −0.3
+PASS       ../three points   correlated  bias      +0.012 ± 0.095 %  0.93 / 8.1 %      −0.3
+PASS       ../three points   stratified  bias      +0.012 ± 0.095 %  0.11 / 8.1 %      −0.3
+
+FAIL penumbra/eclipse correlated bias
+     the mean over the points is off by +1.23 %
+     effect +1.23 % (95 %: +1.11 % to +1.35 %); evidence 10^8.3 against correctness, a failure from
+     10^6
+     again: etendue run penumbra/eclipse --strategy correlated --seed 1
+
+UNDECIDED direct/disk-grid stratified bias
+     a bias of 4 % could have gone unseen; 12 times the replicates would do
+
+9 verdicts: 7 passed, 1 failed, 1 undecided
+report: reports/latest
+";
+        assert_eq!(text, expected, "\n{text}");
+    }
+
+    #[test]
+    fn lines_fit_the_terminal() {
+        let mut outcome = with_failure();
+        outcome.cases[0].name =
+            "penumbra/a-name-so-long-that-no-terminal-has-room-for-it/but-its-end-tells/eclipse".to_owned();
+        for width in [80, 90, 100, 120, 200] {
+            let text = table(&outcome, &TableOptions { width, ..Default::default() });
+            for line in text.lines().filter(|l| !l.contains("again:") && !l.ends_with(" bias")) {
+                assert!(line.chars().count() <= width, "{width}: {line}");
+            }
+            assert!(text.contains('…') && text.contains("clipse"), "{text}");
+        }
+        let narrow = table(&outcome, &TableOptions { width: 1, ..Default::default() });
+        assert!(narrow.contains("PASS"), "an absurd width is no reason to panic");
+    }
+
+    #[test]
+    fn colours_only_where_they_are_wanted() {
+        let outcome = with_failure();
+        let styled = table(&outcome, &TableOptions { styled: true, ..Default::default() });
+        let plain = table(&outcome, &TableOptions::default());
+        assert!(!plain.contains('\x1b'));
+        let mut bare = styled.replace("\x1b[0m", "");
+        for colour in ["31", "32", "33"] {
+            let code = format!("\x1b[1;{colour}m");
+            assert!(styled.contains(&code));
+            bare = bare.replace(&code, "");
+        }
+        assert_eq!(bare, plain, "colours change no column");
+    }
+
+    #[test]
+    fn middles_are_cut_out() {
+        assert_eq!(shortened("penumbra/eclipse", 16), "penumbra/eclipse");
+        assert_eq!(shortened("penumbra/eclipse", 9), "penu…ipse");
+    }
 }

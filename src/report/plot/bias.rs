@@ -55,7 +55,7 @@ pub fn bias(case: &CaseOutcome) -> Option<Page> {
         for cell in &strategy.cells {
             let (n, bias) = (cell.samples as f64, cell.mean_bias / unit);
             let half = NORMAL_95 * cell.mean_bias_std_error / unit;
-            panel.bar(&mut page, n, bias - half, bias + half, aside, 4.0, look.colour);
+            panel.bar(&mut page, (n, bias - half, bias + half), aside, 4.0, look.colour);
             let (x, y) = panel.at(n, bias);
             page.marker((x + aside, y), look.marker, look.colour, 3.8);
         }
@@ -72,7 +72,7 @@ pub fn bias(case: &CaseOutcome) -> Option<Page> {
     legend_rows(&mut page, (panel.left, HEIGHT - 56.0), panel.right - panel.left, &legend);
     let note = "Bars: ±1.96 standard errors. Thin lines: the smallest bias that all N together would have caught with \
                 99 % probability.";
-    page.text((panel.left, HEIGHT - 16.0), note, SMALL, GREY, Align::Start);
+    page.text((24.0, HEIGHT - 18.0), note, SMALL, GREY, Align::Start);
     Some(page)
 }
 

@@ -35,7 +35,7 @@ pub fn correlation(case: &CaseOutcome) -> Option<Page> {
         panel.curve(&mut page, [(0.0, 0.0), (panel.x.high(), 0.0)], INK, 1.0, Dash::Solid);
         draw_strategy(&mut page, &panel, strategy);
     }
-    page.text((left, HEIGHT - 14.0), "Bands: 95 %.", SMALL, GREY, Align::Start);
+    page.text((24.0, HEIGHT - 18.0), "Bands: 95 %.", SMALL, GREY, Align::Start);
     Some(page)
 }
 
@@ -45,7 +45,8 @@ fn draw_strategy(page: &mut Page, panel: &Panel, strategy: &StrategyOutcome) {
     let mut predicted = false;
     for (k, &samples) in counts.iter().enumerate() {
         let look = shade(look(strategy.strategy), k);
-        let curve: Vec<&Correlation> = strategy.correlations.iter().filter(|c| c.samples == samples).collect();
+        let mut curve: Vec<&Correlation> = strategy.correlations.iter().filter(|c| c.samples == samples).collect();
+        curve.sort_by(|a, b| a.separation.total_cmp(&b.separation));
         let band: Vec<_> = curve.iter().map(|c| (c.separation, c.low, c.high)).collect();
         panel.band(page, &band, look.colour, 0.18);
         panel.curve(page, curve.iter().map(|c| (c.separation, c.correlation)), look.colour, 1.5, look.dash);
@@ -85,6 +86,6 @@ fn shade(look: Look, k: usize) -> Look {
     let (with, share) = [(255, 0.45), (0, 0.0), (0, 0.45)][k % 3];
     let colour = plotters::style::RGBColor(mixed(r, with, share), mixed(g, with, share), mixed(b, with, share));
     let (marker, dash) =
-        [(Marker::Circle, Dash::Solid), (Marker::Square, Dash::Dashed), (Marker::Diamond, Dash::DashDot)][k % 3];
+        [(Marker::Circle, Dash::Solid), (Marker::Square, Dash::Dashed), (Marker::Diamond, Dash::Alternating)][k % 3];
     Look { colour, marker, dash }
 }

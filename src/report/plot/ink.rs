@@ -18,6 +18,14 @@ pub enum Align {
     End,
 }
 
+/// What a page is drawn on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Medium {
+    Svg,
+    /// Without texts, which are set better by our own means.
+    Pixels,
+}
+
 #[derive(Clone, Debug)]
 enum Ink {
     Line { through: Vec<At>, colour: Colour, width: f64 },
@@ -98,8 +106,8 @@ impl Page {
         self.inks.iter().filter_map(|ink| if let Ink::Text(words) = ink { Some(words) } else { None })
     }
 
-    /// Draws the page with `scale` device units a point; texts only if asked for.
-    pub fn draw<DB>(&self, area: &DrawingArea<DB, Shift>, scale: f64, texts: bool) -> Result<(), String>
+    /// Draws the page with `scale` device units a point.
+    pub fn draw<DB>(&self, area: &DrawingArea<DB, Shift>, scale: f64, medium: Medium) -> Result<(), String>
     where
         DB: DrawingBackend,
         DB::ErrorType: 'static,
@@ -111,7 +119,15 @@ impl Page {
         for ink in &self.inks {
             match ink {
                 Ink::Line { through, colour, width } => {
-                    area.draw(&PathElement::new(devices(through), colour.stroke_width(stroke(*width))))
+                    let style = colour.stroke_width(stroke(*width));
+                    match medium {
+                        Medium::Svg => area.draw(&PathElement::new(devices(through), style)),
+                        // Piece by piece: where a line turns sharply, plotters' joints grow into spikes.
+                        Medium::Pixels => devices(through)
+                            .windows(2)
+                            .filter(|ends| ends[0] != ends[1])
+                            .try_for_each(|ends| area.draw(&PathElement::new(ends, style))),
+                    }
                 }
                 Ink::Area { outline, colour, opacity } => {
                     area.draw(&Polygon::new(devices(outline), colour.mix(*opacity).filled()))
@@ -124,7 +140,7 @@ impl Page {
                         marker.outline().iter().map(|(x, y)| (at.0 + x * size, at.1 + y * size)).collect();
                     area.draw(&Polygon::new(devices(&outline), colour.filled()))
                 }
-                Ink::Text(_) if !texts => Ok(()),
+                Ink::Text(_) if medium == Medium::Pixels => Ok(()),
                 Ink::Text(Words { at, text, size, bold, colour, align, upwards }) => {
                     let h = match align {
                         Align::Start => HPos::Left,

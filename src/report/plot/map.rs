@@ -11,7 +11,7 @@ use crate::configuration::Arrangement;
 use crate::trial::{CaseOutcome, Cell, StrategyOutcome};
 
 /// Shades of a colour scale: few enough that neighbours of one shade can be drawn as one.
-const SHADES: usize = 96;
+const SHADES: usize = 80;
 
 /// `None` where the points fill no area.
 pub fn map(case: &CaseOutcome) -> Option<Page> {
@@ -57,7 +57,7 @@ pub fn map(case: &CaseOutcome) -> Option<Page> {
         };
         draw_map(&mut page, corner, slot, &extent, (nu, nv), &values, &scale, (heading, unit));
     }
-    page.text((24.0, HEIGHT - 14.0), "Grey: no light is due there.", SMALL, GREY, Align::Start);
+    page.text((24.0, HEIGHT - 18.0), "Grey: no light is due there.", SMALL, GREY, Align::Start);
     Some(page)
 }
 

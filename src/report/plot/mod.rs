@@ -8,6 +8,7 @@ mod correlation;
 mod ink;
 mod map;
 mod panel;
+mod picture;
 mod profile;
 mod style;
 mod text;
@@ -56,7 +57,7 @@ fn svg(page: &ink::Page) -> Result<Vec<u8>, String> {
     text::load_font();
     let mut text = String::new();
     let size = ((page.width * UNITS) as u32, (page.height * UNITS) as u32);
-    page.draw(&SVGBackend::with_string(&mut text, size).into_drawing_area(), UNITS, true)?;
+    page.draw(&SVGBackend::with_string(&mut text, size).into_drawing_area(), UNITS, ink::Medium::Svg)?;
     let finer = format!("width=\"{}\" height=\"{}\"", size.0, size.1);
     let shown = format!("width=\"{}\" height=\"{}\"", page.width, page.height);
     Ok(text.replacen(&finer, &shown, 1).into_bytes())
@@ -66,16 +67,7 @@ fn svg(page: &ink::Page) -> Result<Vec<u8>, String> {
 fn png(page: &ink::Page) -> Result<Vec<u8>, String> {
     let size = ((page.width * PIXELS) as u32, (page.height * PIXELS) as u32);
     let mut pixels = vec![0; 3 * (size.0 * size.1) as usize];
-    page.draw(&BitMapBackend::with_buffer(&mut pixels, size).into_drawing_area(), PIXELS, false)?;
+    page.draw(&BitMapBackend::with_buffer(&mut pixels, size).into_drawing_area(), PIXELS, ink::Medium::Pixels)?;
     text::set_texts(&mut pixels, size.0 as usize, PIXELS, page.texts());
-    let mut bytes = Vec::new();
-    let mut encoder = ::png::Encoder::new(&mut bytes, size.0, size.1);
-    encoder.set_color(::png::ColorType::Rgb);
-    encoder.set_depth(::png::BitDepth::Eight);
-    encoder.set_compression(::png::Compression::Fast);
-    encoder.set_filter(::png::FilterType::Up);
-    let mut writer = encoder.write_header().map_err(|e| e.to_string())?;
-    writer.write_image_data(&pixels).map_err(|e| e.to_string())?;
-    writer.finish().map_err(|e| e.to_string())?;
-    Ok(bytes)
+    picture::encoded(&pixels, size)
 }

@@ -112,7 +112,7 @@ impl Panel {
     }
 
     /// An interval with caps, moved aside by some points.
-    pub fn bar(&self, page: &mut Page, x: f64, low: f64, high: f64, aside: f64, cap: f64, colour: Colour) {
+    pub fn bar(&self, page: &mut Page, (x, low, high): (f64, f64, f64), aside: f64, cap: f64, colour: Colour) {
         let ((x, bottom), (_, top)) = (self.at(x, low), self.at(x, high));
         let x = x + aside;
         page.line(vec![(x, bottom), (x, top)], colour, 1.3, Dash::Solid);

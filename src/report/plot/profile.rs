@@ -39,7 +39,12 @@ pub fn profile(case: &CaseOutcome) -> Option<Page> {
             largest = largest.max(reach(cell, i));
         }
     }
-    let y = Axis::linear(0.0, 1.08 * top, false, 6);
+    if top == 0.0 {
+        // In the dark the axis shows what would be there without occluders.
+        let open = case.truths.iter().map(|t| t.unoccluded_irradiance.watts_per_square_metre());
+        top = open.fold(0.0, f64::max);
+    }
+    let y = Axis::linear(0.0, if top > 0.0 { 1.08 * top } else { 1.0 }, false, 6);
     let largest = if largest > 0.0 { largest } else { 1e-3 * y.high() };
     let (left, right) = (104.0, WIDTH - 24.0);
     let upper = Panel { left, top: 88.0, right, bottom: 340.0, x: x.unlabelled(), y };
@@ -75,13 +80,13 @@ pub fn profile(case: &CaseOutcome) -> Option<Page> {
         if line {
             draw_band(&mut page, &upper, &spreads, look.colour, look.dash);
         } else {
-            spreads.iter().for_each(|&(x, low, high)| upper.bar(&mut page, x, low, high, aside, 3.0, look.colour));
+            spreads.iter().for_each(|spread| upper.bar(&mut page, *spread, aside, 3.0, look.colour));
         }
         let every = if line { n * exact.len().div_ceil(16 * n) } else { 1 };
         let offset = every / n * k;
         for (i, point) in cell.points.iter().enumerate() {
             let half = NORMAL_95 * point.bias_std_error;
-            lower.bar(&mut page, along[i], point.bias - half, point.bias + half, aside, 0.0, look.colour);
+            lower.bar(&mut page, (along[i], point.bias - half, point.bias + half), aside, 0.0, look.colour);
             let (x, y) = lower.at(along[i], point.bias);
             page.marker((x + aside, y), look.marker, look.colour, if line { 2.0 } else { 3.0 });
             if i % every == offset % every {

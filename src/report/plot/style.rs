@@ -25,7 +25,7 @@ pub enum Dash {
     Solid,
     Dashed,
     Dotted,
-    DashDot,
+    Alternating,
 }
 
 impl Dash {
@@ -35,7 +35,7 @@ impl Dash {
             Dash::Solid => None,
             Dash::Dashed => Some(&[7.0, 4.0]),
             Dash::Dotted => Some(&[1.8, 3.2]),
-            Dash::DashDot => Some(&[8.0, 3.0, 1.8, 3.0]),
+            Dash::Alternating => Some(&[8.0, 3.0, 1.8, 3.0]),
         }
     }
 }
@@ -76,7 +76,7 @@ pub fn look(strategy: Strategy) -> Look {
             Look { colour: RGBColor(0xd5, 0x5e, 0x00), marker: Marker::Square, dash: Dash::Dashed }
         }
         Strategy::Stratified => {
-            Look { colour: RGBColor(0x00, 0x9e, 0x73), marker: Marker::Triangle, dash: Dash::DashDot }
+            Look { colour: RGBColor(0x00, 0x9e, 0x73), marker: Marker::Triangle, dash: Dash::Alternating }
         }
     }
 }

@@ -16,6 +16,9 @@ const BOLD: &[u8] = include_bytes!("../../../assets/fonts/DejaVuSans-Bold-subset
 /// Height of capitals and digits, em.
 const CAPITALS: f64 = 0.729;
 
+/// Steps between paper and ink along the edges of letters: few, so that pictures have few colours.
+const SHADES: f32 = 10.0;
+
 struct Fonts {
     regular: FontRef<'static>,
     bold: FontRef<'static>,
@@ -92,8 +95,9 @@ fn blend(pixels: &mut [u8], width: usize, (x, y): (f64, f64), colour: super::sty
     }
     let first = 3 * (y as usize * width + x as usize);
     let Some(pixel) = pixels.get_mut(first..first + 3) else { return };
+    let share = (share.clamp(0.0, 1.0) * SHADES).round() / SHADES;
     for (under, over) in pixel.iter_mut().zip([colour.0, colour.1, colour.2]) {
-        let mixed = f32::from(*under) + (f32::from(over) - f32::from(*under)) * share.clamp(0.0, 1.0);
+        let mixed = f32::from(*under) + (f32::from(over) - f32::from(*under)) * share;
         *under = mixed.round() as u8;
     }
 }

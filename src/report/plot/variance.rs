@@ -26,7 +26,7 @@ pub fn variance(case: &CaseOutcome) -> Option<Page> {
     let low = drawn().map(|p| p.2).fold(f64::INFINITY, f64::min);
     let high = drawn().map(|p| p.3).fold(0.0, f64::max);
     // Room for the guides above and below the data.
-    let y = Axis::log(low / 12.0, high * 4.0, 8);
+    let y = Axis::log(low / 6.0, high * 4.0, 12);
 
     let mut page = titled_page(
         &case.title,
@@ -45,7 +45,7 @@ pub fn variance(case: &CaseOutcome) -> Option<Page> {
         page.bold((from, 76.0), heading(group.region), TEXT, INK, Align::Start);
         draw_group(&mut page, &panel, group);
     }
-    page.text((left, HEIGHT - 14.0), NOTE, SMALL, GREY, Align::Start);
+    page.text((24.0, HEIGHT - 18.0), NOTE, SMALL, GREY, Align::Start);
     Some(page)
 }
 
