@@ -5,7 +5,7 @@
 use std::time::Instant;
 
 use etendue::configuration::{Arrangement, Configuration, MeasurementPoint, Source};
-use etendue::estimator::{AreaEstimator, Scratch};
+use etendue::estimator::{AreaEstimator, Job, Scratch};
 use etendue::geometry::{DVec3, Disk, Rectangle, Shape, Sphere};
 use etendue::radiometry::Exitance;
 use etendue::sampling::{Strategy, StreamKey};
@@ -43,24 +43,20 @@ fn room(source: Shape, occluders: Vec<Shape>) -> Configuration {
 
 fn nanoseconds(room: &Configuration, strategy: Strategy, samples: u64) -> f64 {
     let estimator = AreaEstimator::new(room);
-    let (mut scratch, mut estimates) = (Scratch::default(), vec![0.0; room.points().len()]);
-    let replicates = SAMPLES_A_ROUND / (samples * room.points().len() as u64);
+    let points = room.points();
+    let replicates = SAMPLES_A_ROUND / (samples * points.len() as u64);
+    let (mut scratch, mut estimates) = (Scratch::default(), vec![0.0; points.len() * 256]);
     let mut rounds: Vec<f64> = (0..ROUNDS as u64)
         .map(|round| {
-            let key = StreamKey::root(round);
+            let cell = StreamKey::root(round);
             let start = Instant::now();
-            for replicate in 0..replicates {
-                estimator.replicate(
-                    strategy,
-                    samples,
-                    key,
-                    replicate,
-                    room.points(),
-                    &mut scratch,
-                    std::hint::black_box(&mut estimates),
-                );
+            for first in (0..replicates).step_by(256) {
+                let replicates = first..(first + 256).min(replicates);
+                let out = &mut estimates[..points.len() * (replicates.end - replicates.start) as usize];
+                let job = Job { strategy, samples, cell, replicates, points };
+                estimator.estimate(&job, &mut scratch, std::hint::black_box(out));
             }
-            start.elapsed().as_secs_f64() * 1e9 / (replicates * samples * room.points().len() as u64) as f64
+            start.elapsed().as_secs_f64() * 1e9 / (replicates * samples * points.len() as u64) as f64
         })
         .collect();
     rounds.sort_by(f64::total_cmp);

@@ -10,6 +10,8 @@
 //! depend on the width of the instruction set.
 
 use std::f64::consts::PI;
+use std::num::NonZero;
+use std::ops::Range;
 use std::sync::Arc;
 
 use glam::DVec3;
@@ -17,7 +19,7 @@ use glam::DVec3;
 use crate::configuration::{Configuration, MeasurementPoint};
 use crate::geometry::Shape;
 use crate::sampling::{
-    BLOCK, LANES, Lanes, Pattern, Row, Squares, Strategy, StreamKey, Surface, SurfaceBlock, groups,
+    BLOCK, LANES, Lanes, Pattern, Row, Squares, Strategy, StreamKey, Surface, SurfaceBlock, fill_side_by_side, groups,
 };
 use crate::scene::{Blocker, ShadowRays};
 
@@ -43,6 +45,8 @@ pub struct Scratch {
     shading: Shading,
     /// One sum of lanes for each point, where points are shared.
     sums: Vec<[f64; LANES]>,
+    /// Keys of estimates side by side.
+    keys: Vec<StreamKey>,
 }
 
 /// Rays of one block from one point, and what each brings.
@@ -82,124 +86,184 @@ impl AreaEstimator {
         self.emitters.len() as u64 * samples
     }
 
-    /// One replicate: an estimate of the irradiance at each point, W/m².
+    /// Estimates of the irradiance at each point, W/m², replicate by replicate.
     ///
-    /// - `cell`: key of this strategy and sample count ([`StreamKey::cell`]); replicate, point and source are absorbed
-    ///   below it, the point only where points are fresh
-    /// - `samples`: N ≥ 1 points on each source
-    /// - `estimates`: as many as `points`
-    pub fn replicate(
-        &self,
-        strategy: Strategy,
-        samples: u64,
-        cell: StreamKey,
-        replicate: u64,
-        points: &[MeasurementPoint],
-        scratch: &mut Scratch,
-        estimates: &mut [f64],
-    ) {
+    /// - `estimates`: [point][replicate], as many as points × replicates
+    pub fn estimate(&self, job: &Job, scratch: &mut Scratch, estimates: &mut [f64]) {
         // One source text, compiled for each instruction set and chosen at run time. Rust never fuses a multiplication
         // and an addition by itself, so the set changes the speed and no bit.
-        let Self { emitters, arch } = self;
-        arch.dispatch(Replicate {
-            emitters,
-            strategy,
-            samples,
-            key: cell.with(replicate),
-            points,
-            scratch,
-            estimates,
-        });
+        self.arch.dispatch(Estimate { emitters: &self.emitters, job, scratch, estimates });
     }
 }
 
-/// The arguments of one replicate, as a function that can be compiled for any instruction set.
-struct Replicate<'a> {
+/// What is to be estimated.
+#[derive(Clone, Debug)]
+pub struct Job<'a> {
+    pub strategy: Strategy,
+    /// N ≥ 1 points on each source.
+    pub samples: u64,
+    /// Key of this strategy and sample count ([`StreamKey::cell`]); replicate, point (0 where points are shared, else
+    /// counted from 1) and source are absorbed below it, in that order.
+    pub cell: StreamKey,
+    pub replicates: Range<u64>,
+    pub points: &'a [MeasurementPoint],
+}
+
+/// A job as a function that can be compiled for any instruction set.
+struct Estimate<'a, 'b> {
     emitters: &'a [Emitter],
-    strategy: Strategy,
-    samples: u64,
-    key: StreamKey,
-    points: &'a [MeasurementPoint],
+    job: &'a Job<'b>,
     scratch: &'a mut Scratch,
     estimates: &'a mut [f64],
 }
 
-impl pulp::NullaryFnOnce for Replicate<'_> {
+impl pulp::NullaryFnOnce for Estimate<'_, '_> {
     type Output = ();
 
     #[inline(always)]
     fn call(self) {
-        let Replicate { emitters, strategy, samples, key, points, scratch, estimates } = self;
+        let Estimate { emitters, job, scratch, estimates } = self;
         estimates.fill(0.0);
+        let Some(stride) = NonZero::new((job.replicates.end - job.replicates.start) as usize) else { return };
         for (index, emitter) in emitters.iter().enumerate() {
-            let pattern = |stream: u64| {
-                let lanes = Lanes::new(key.with(stream).with(index as u64), samples.min(LANES as u64) as usize);
-                Pattern::new(strategy, samples, lanes)
+            let place = Place { emitter, source: index as u64, stride: stride.get() };
+            // Small estimates fill a block only together.
+            match job.samples {
+                1 | 2 | 4 | 8 => place.several_at_once(job, scratch, estimates),
+                _ => place.one_by_one(job, scratch, estimates),
+            }
+        }
+    }
+}
+
+/// One source's part of a job.
+struct Place<'a> {
+    emitter: &'a Emitter,
+    source: u64,
+    /// Replicates of the job.
+    stride: usize,
+}
+
+impl Place<'_> {
+    /// The stream of one estimate; `point` counted from 1, 0 where points are shared.
+    #[inline(always)]
+    fn key(&self, job: &Job, replicate: u64, point: u64) -> StreamKey {
+        job.cell.with(replicate).with(point).with(self.source)
+    }
+
+    #[inline(always)]
+    fn pattern(&self, job: &Job, replicate: u64, point: u64) -> Pattern {
+        let lanes = Lanes::new(self.key(job, replicate, point), job.samples.min(LANES as u64) as usize);
+        Pattern::new(job.strategy, job.samples, lanes)
+    }
+
+    #[inline(always)]
+    fn one_by_one(&self, job: &Job, scratch: &mut Scratch, estimates: &mut [f64]) {
+        if job.strategy.shares_points() {
+            self.shared(job, scratch, estimates);
+        } else {
+            self.fresh(job, scratch, estimates);
+        }
+    }
+
+    /// Points of its own for each shading point.
+    #[inline(always)]
+    fn fresh(&self, job: &Job, scratch: &mut Scratch, estimates: &mut [f64]) {
+        let Scratch { squares, places, shading, .. } = scratch;
+        for (p, point) in job.points.iter().enumerate() {
+            for (r, replicate) in job.replicates.clone().enumerate() {
+                let mut pattern = self.pattern(job, replicate, p as u64 + 1);
+                let mut sum = [0.0; LANES];
+                let mut left = job.samples;
+                while left > 0 {
+                    let len = left.min(BLOCK as u64) as usize;
+                    pattern.fill(squares, len);
+                    self.emitter.surface.place(squares, len, places);
+                    self.emitter.illuminate(point, places, len, shading);
+                    shading.add_to(&mut sum, len);
+                    left -= len as u64;
+                }
+                estimates[p * self.stride + r] += self.emitter.strength * add_lanes(&sum) / job.samples as f64;
+            }
+        }
+    }
+
+    /// One set of points for all shading points of a replicate.
+    #[inline(always)]
+    fn shared(&self, job: &Job, scratch: &mut Scratch, estimates: &mut [f64]) {
+        let Scratch { squares, places, shading, sums, .. } = scratch;
+        for (r, replicate) in job.replicates.clone().enumerate() {
+            let mut pattern = self.pattern(job, replicate, 0);
+            sums.clear();
+            sums.resize(job.points.len(), [0.0; LANES]);
+            let mut left = job.samples;
+            while left > 0 {
+                let len = left.min(BLOCK as u64) as usize;
+                pattern.fill(squares, len);
+                self.emitter.surface.place(squares, len, places);
+                for (point, sum) in job.points.iter().zip(sums.iter_mut()) {
+                    self.emitter.illuminate(point, places, len, shading);
+                    shading.add_to(sum, len);
+                }
+                left -= len as u64;
+            }
+            for (p, sum) in sums.iter().enumerate() {
+                estimates[p * self.stride + r] += self.emitter.strength * add_lanes(sum) / job.samples as f64;
+            }
+        }
+    }
+
+    /// As many replicates of a small estimate as a block holds, side by side: the same numbers, bit for bit, as one by
+    /// one, without the empty lanes.
+    #[inline(always)]
+    fn several_at_once(&self, job: &Job, scratch: &mut Scratch, estimates: &mut [f64]) {
+        let Scratch { squares, places, shading, keys, .. } = scratch;
+        let n = job.samples as usize;
+        for start in (0..self.stride).step_by(BLOCK / n) {
+            let count = (self.stride - start).min(BLOCK / n);
+            let mut scatter = |point: u64, squares: &mut Squares, places: &mut SurfaceBlock| {
+                keys.clear();
+                let first = job.replicates.start + start as u64;
+                keys.extend((first..first + count as u64).map(|replicate| self.key(job, replicate, point)));
+                fill_side_by_side(job.strategy, n, keys, squares);
+                self.emitter.surface.place(squares, n * count, places);
             };
-            if strategy.shares_points() {
-                emitter.add_shared(pattern(0), samples, points, scratch, estimates);
-            } else {
-                for (i, (point, estimate)) in points.iter().zip(estimates.iter_mut()).enumerate() {
-                    *estimate += emitter.fresh(pattern(i as u64 + 1), samples, point, scratch);
+            if job.strategy.shares_points() {
+                scatter(0, squares, places);
+            }
+            for (p, point) in job.points.iter().enumerate() {
+                if !job.strategy.shares_points() {
+                    scatter(p as u64 + 1, squares, places);
+                }
+                self.emitter.illuminate(point, places, n * count, shading);
+                let row = &mut estimates[p * self.stride + start..][..count];
+                let contributions = shading.contributions.as_flattened();
+                for (estimate, lanes) in row.iter_mut().zip(contributions.chunks_exact(n)) {
+                    let mut sum = [0.0; LANES];
+                    sum[..n].copy_from_slice(lanes);
+                    *estimate += self.emitter.strength * add_lanes(&sum) / job.samples as f64;
                 }
             }
         }
     }
 }
 
-impl Emitter {
-    /// The estimate at one point from points of its own.
+impl Shading {
+    /// Adds a block's contributions to the lanes of a sum.
     #[inline(always)]
-    fn fresh(&self, mut pattern: Pattern, samples: u64, point: &MeasurementPoint, scratch: &mut Scratch) -> f64 {
-        let mut sum = [0.0; LANES];
-        let mut left = samples;
-        while left > 0 {
-            let len = left.min(BLOCK as u64) as usize;
-            pattern.fill(&mut scratch.squares, len);
-            self.surface.place(&scratch.squares, len, &mut scratch.places);
-            self.gather(point, &scratch.places, len, &mut scratch.shading, &mut sum);
-            left -= len as u64;
-        }
-        self.strength * add_lanes(&sum) / samples as f64
-    }
-
-    /// The estimates at all points from one shared set of points.
-    #[inline(always)]
-    fn add_shared(
-        &self,
-        mut pattern: Pattern,
-        samples: u64,
-        points: &[MeasurementPoint],
-        scratch: &mut Scratch,
-        estimates: &mut [f64],
-    ) {
-        scratch.sums.clear();
-        scratch.sums.resize(points.len(), [0.0; LANES]);
-        let mut left = samples;
-        while left > 0 {
-            let len = left.min(BLOCK as u64) as usize;
-            pattern.fill(&mut scratch.squares, len);
-            self.surface.place(&scratch.squares, len, &mut scratch.places);
-            for (point, sum) in points.iter().zip(&mut scratch.sums) {
-                self.gather(point, &scratch.places, len, &mut scratch.shading, sum);
+    fn add_to(&self, sum: &mut [f64; LANES], len: usize) {
+        for group in &self.contributions[..groups(len)] {
+            for (sum, contribution) in sum.iter_mut().zip(group) {
+                *sum += contribution;
             }
-            left -= len as u64;
-        }
-        for (estimate, sum) in estimates.iter_mut().zip(&scratch.sums) {
-            *estimate += self.strength * add_lanes(sum) / samples as f64;
         }
     }
+}
 
-    /// Adds cosθᵢ cosθₛ / r² · Vis of one block of source points to the lanes of a sum.
+impl Emitter {
+    /// Sets the contributions of one block of source points to cosθᵢ cosθₛ / r² · Vis.
     #[inline(always)]
-    fn gather(
-        &self,
-        point: &MeasurementPoint,
-        places: &SurfaceBlock,
-        len: usize,
-        shading: &mut Shading,
-        sum: &mut [f64; LANES],
-    ) {
+    fn illuminate(&self, point: &MeasurementPoint, places: &SurfaceBlock, len: usize, shading: &mut Shading) {
         let offset = self.surface.origin() - point.position();
         let normal = point.normal();
         let Shading { rays, contributions } = shading;
@@ -212,38 +276,33 @@ impl Emitter {
         }
         if let Some(source_normal) = self.surface.flat_normal() {
             // r cosθₛ is the height of the point over the source's plane, the same for the whole source.
-            let height = -offset.dot(source_normal);
-            if height <= 0.0 {
-                return;
-            }
-            for g in 0..groups(len) {
-                for l in 0..LANES {
+            let height = (-offset.dot(source_normal)).max(0.0);
+            for (g, group) in contributions[..groups(len)].iter_mut().enumerate() {
+                for (l, contribution) in group.iter_mut().enumerate() {
                     let d = rays.ray(g, l);
                     let r2 = d.length_squared();
-                    contributions[g][l] = normal.dot(d).max(0.0) * height / (r2 * r2);
+                    *contribution = normal.dot(d).max(0.0) * height / (r2 * r2);
                 }
             }
+            if height == 0.0 {
+                return;
+            }
         } else if let Some(radius) = self.surface.sphere_radius() {
-            for g in 0..groups(len) {
-                for l in 0..LANES {
+            for (g, group) in contributions[..groups(len)].iter_mut().enumerate() {
+                for (l, contribution) in group.iter_mut().enumerate() {
                     let d = rays.ray(g, l);
                     let r2 = d.length_squared();
                     // r cosθₛ with the sphere's normal at the point, its offset over the radius.
                     let height = -(places.x[g][l] * d.x + places.y[g][l] * d.y + places.z[g][l] * d.z) / radius;
-                    contributions[g][l] = normal.dot(d).max(0.0) * height.max(0.0) / (r2 * r2);
+                    *contribution = normal.dot(d).max(0.0) * height.max(0.0) / (r2 * r2);
                 }
             }
         }
-        if len % LANES != 0 {
+        if !len.is_multiple_of(LANES) {
             contributions[len / LANES][len % LANES..].fill(0.0);
         }
         for blocker in &self.blockers {
             blocker.shade(point.position(), rays, len, contributions);
-        }
-        for group in &contributions[..groups(len)] {
-            for (sum, contribution) in sum.iter_mut().zip(group) {
-                *sum += contribution;
-            }
         }
     }
 }
@@ -283,14 +342,11 @@ mod tests {
     /// Mean and standard error of replicates at the only point.
     fn measure(configuration: &Configuration, strategy: Strategy, samples: u64, replicates: u64) -> (f64, f64) {
         let estimator = AreaEstimator::new(configuration);
-        let (mut scratch, mut out) = (Scratch::default(), [0.0]);
-        let (mut sum, mut squares) = (0.0, 0.0);
-        for replicate in 0..replicates {
-            let key = StreamKey::root(77);
-            estimator.replicate(strategy, samples, key, replicate, configuration.points(), &mut scratch, &mut out);
-            sum += out[0];
-            squares += out[0] * out[0];
-        }
+        let points = configuration.points();
+        let job = Job { strategy, samples, cell: StreamKey::root(77), replicates: 0..replicates, points };
+        let mut out = vec![0.0; replicates as usize];
+        estimator.estimate(&job, &mut Scratch::default(), &mut out);
+        let (sum, squares) = out.iter().fold((0.0, 0.0), |(sum, squares), x| (sum + x, squares + x * x));
         let mean = sum / replicates as f64;
         (mean, ((squares / replicates as f64 - mean * mean) / replicates as f64).sqrt())
     }
@@ -346,16 +402,33 @@ mod tests {
         let estimator = AreaEstimator::new(&twice);
         for strategy in Strategy::ALL {
             let mut out = [0.0; 2];
-            estimator.replicate(
-                strategy,
-                16,
-                StreamKey::root(1),
-                0,
-                twice.points(),
-                &mut Scratch::default(),
-                &mut out,
-            );
+            let job =
+                Job { strategy, samples: 16, cell: StreamKey::root(1), replicates: 0..1, points: twice.points() };
+            estimator.estimate(&job, &mut Scratch::default(), &mut out);
             assert_eq!(out[0] == out[1], strategy.shares_points(), "{strategy}");
+        }
+    }
+
+    #[test]
+    fn estimates_side_by_side_are_those_one_by_one_bit_for_bit() {
+        let ball = Shape::Sphere(Sphere::new(DVec3::new(0.2, 0.1, 2.0), 0.6).unwrap());
+        let room = over_the_origin(ball, vec![disk(1.0, 0.25)]);
+        let estimator = AreaEstimator::new(&room);
+        for strategy in Strategy::ALL {
+            for samples in [1, 2, 4, 8] {
+                let cell = StreamKey::root(9);
+                let all = Job { strategy, samples, cell, replicates: 5..305, points: room.points() };
+                let mut together = vec![0.0; 300];
+                estimator.estimate(&all, &mut Scratch::default(), &mut together);
+                let mut scratch = Scratch::default();
+                for (r, together) in together.iter().enumerate() {
+                    let one = Job { replicates: 5 + r as u64..6 + r as u64, ..all.clone() };
+                    let mut alone = [0.0];
+                    let place = Place { emitter: &estimator.emitters[0], source: 0, stride: 1 };
+                    place.one_by_one(&one, &mut scratch, &mut alone);
+                    assert_eq!(alone[0].to_bits(), together.to_bits(), "{strategy} N = {samples} replicate {r}");
+                }
+            }
         }
     }
 }

@@ -4,4 +4,4 @@
 
 mod area;
 
-pub use area::{AreaEstimator, Scratch};
+pub use area::{AreaEstimator, Job, Scratch};

@@ -27,18 +27,36 @@ impl Lanes {
     /// - `used`: lanes that will be read (an estimate of N < 8 samples reads N); the rest stay unseeded and are never
     ///   looked at.
     pub fn new(key: StreamKey, used: usize) -> Lanes {
-        let mut state = [[0; LANES]; 4];
+        let mut lanes = Lanes { state: [[0; LANES]; 4] };
         for lane in 0..used.min(LANES) {
-            for (word, row) in state.iter_mut().enumerate() {
-                let step = STEP.wrapping_mul((2 * lane + word % 2 + 1) as u64);
-                row[lane] = if word < 2 {
-                    mix(key.first.wrapping_add(step))
-                } else {
-                    mix_again(key.second.wrapping_add(step))
-                };
+            lanes.seed(lane, key, lane);
+        }
+        lanes
+    }
+
+    /// Lanes of several keys side by side: lane l is lane l mod `width` of key l / `width`, as [`Lanes::new`] seeds it.
+    /// Missing keys leave their lanes unseeded.
+    ///
+    /// - `width`: 1, 2, 4 or 8
+    #[inline(always)]
+    pub fn side_by_side(keys: &[StreamKey], width: usize) -> Lanes {
+        let mut lanes = Lanes { state: [[0; LANES]; 4] };
+        for (index, key) in keys.iter().enumerate().take(LANES / width) {
+            for lane in 0..width {
+                lanes.seed(index * width + lane, *key, lane);
             }
         }
-        Lanes { state }
+        lanes
+    }
+
+    /// Puts lane `stream` of a key at place `lane`.
+    #[inline(always)]
+    fn seed(&mut self, lane: usize, key: StreamKey, stream: usize) {
+        for (word, row) in self.state.iter_mut().enumerate() {
+            let step = STEP.wrapping_mul((2 * stream + word % 2 + 1) as u64);
+            row[lane] =
+                if word < 2 { mix(key.first.wrapping_add(step)) } else { mix_again(key.second.wrapping_add(step)) };
+        }
     }
 
     /// The next word of each lane.

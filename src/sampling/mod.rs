@@ -11,7 +11,7 @@ mod strategy;
 mod warp;
 
 pub use lanes::{LANES, Lanes, Stream};
-pub use pattern::{Pattern, Squares};
+pub use pattern::{Pattern, Squares, fill_side_by_side};
 pub use seed::{Purpose, StreamKey};
 pub use strategy::Strategy;
 pub use warp::{Surface, SurfaceBlock};

@@ -1,6 +1,6 @@
 //! Points of the unit square, a block at a time.
 
-use super::{BLOCK, LANES, Lanes, Row, Strategy, groups};
+use super::{BLOCK, LANES, Lanes, Row, Strategy, StreamKey, groups};
 
 /// One block of points of the unit square.
 #[derive(Clone, Debug)]
@@ -45,6 +45,45 @@ impl Pattern {
     }
 }
 
+/// The points of several small estimates side by side: estimate k has places kN to kN + N − 1 of the block, and the very
+/// points that a [`Pattern`] of its key would give it.
+///
+/// - `n`: points of each estimate: 1, 2, 4 or 8
+/// - `keys`: one for each estimate, as many as fit
+#[inline(always)]
+pub fn fill_side_by_side(strategy: Strategy, n: usize, keys: &[StreamKey], squares: &mut Squares) {
+    let a_group = LANES / n;
+    for (group, keys) in keys.chunks(a_group).enumerate() {
+        let mut lanes = Lanes::side_by_side(keys, n);
+        squares.u[group] = lanes.next_units();
+        squares.v[group] = lanes.next_units();
+    }
+    if strategy == Strategy::Stratified {
+        let mut strata = Strata::new(n as u64);
+        let cells: [Stratum; LANES] = std::array::from_fn(|lane| {
+            if lane % n == 0 {
+                strata = Strata::new(n as u64);
+            }
+            strata.take()
+        });
+        for group in 0..groups(n * keys.len()) {
+            for (lane, cell) in cells.iter().enumerate() {
+                squares.u[group][lane] = (cell.column + squares.u[group][lane]) * cell.width;
+                squares.v[group][lane] = cell.bottom + squares.v[group][lane] * cell.height;
+            }
+        }
+    }
+}
+
+/// One stratum: (column + u) · width, bottom + v · height.
+#[derive(Clone, Copy, Debug)]
+struct Stratum {
+    column: f64,
+    width: f64,
+    bottom: f64,
+    height: f64,
+}
+
 /// N strata of equal area, for any N: R = ⌊√N⌉ rows, the N strata dealt to the rows as evenly as they go (row r holds
 /// ⌊(r+1)N/R⌋ − ⌊rN/R⌋ of them), each row as high as its share of the strata. All have area 1/N, and for a square N
 /// they are the regular grid.
@@ -72,22 +111,39 @@ impl Strata {
         (row as u128 * self.n as u128 / self.rows as u128) as u64
     }
 
+    /// The stratum at hand, after moving to the next row where one is finished.
+    #[inline(always)]
+    fn current(&mut self) -> Stratum {
+        if self.next == self.row_end {
+            self.row += 1;
+            self.row_start = self.row_end;
+            self.row_end = self.start_of(self.row + 1);
+        }
+        let cells = (self.row_end - self.row_start) as f64;
+        Stratum {
+            column: (self.next - self.row_start) as f64,
+            width: 1.0 / cells,
+            bottom: self.row_start as f64 / self.n as f64,
+            height: cells / self.n as f64,
+        }
+    }
+
+    /// The next stratum.
+    #[inline(always)]
+    fn take(&mut self) -> Stratum {
+        let stratum = self.current();
+        self.next += 1;
+        stratum
+    }
+
     /// Moves uniform points into their strata, in order.
     #[inline(always)]
     fn jitter(&mut self, squares: &mut Squares, len: usize) {
         let (all_u, all_v) = (squares.u.as_flattened_mut(), squares.v.as_flattened_mut());
         let mut at = 0;
         while at < len {
-            if self.next == self.row_end {
-                self.row += 1;
-                self.row_start = self.row_end;
-                self.row_end = self.start_of(self.row + 1);
-            }
+            let Stratum { column, width, bottom, height } = self.current();
             let run = ((self.row_end - self.next) as usize).min(len - at);
-            let width = 1.0 / (self.row_end - self.row_start) as f64;
-            let column = (self.next - self.row_start) as f64;
-            let (bottom, height) =
-                (self.row_start as f64 / self.n as f64, (self.row_end - self.row_start) as f64 / self.n as f64);
             for (k, u) in all_u[at..at + run].iter_mut().enumerate() {
                 *u = (column + k as f64 + *u) * width;
             }
@@ -103,7 +159,6 @@ impl Strata {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sampling::StreamKey;
 
     fn points(strategy: Strategy, n: u64, seed: u64) -> Vec<[f64; 2]> {
         let mut pattern = Pattern::new(strategy, n, Lanes::new(StreamKey::root(seed), LANES));
@@ -121,6 +176,26 @@ mod tests {
     fn square_numbers_give_the_regular_grid() {
         for (i, [u, v]) in points(Strategy::Stratified, 1024, 5).into_iter().enumerate() {
             assert_eq!(((u * 32.0) as usize, (v * 32.0) as usize), (i % 32, i / 32));
+        }
+    }
+
+    #[test]
+    fn side_by_side_each_estimate_keeps_its_own_points() {
+        for strategy in Strategy::ALL {
+            for n in [1_usize, 2, 4, 8] {
+                let keys: Vec<StreamKey> = (0..(BLOCK / n - 1) as u64).map(|k| StreamKey::root(6).with(k)).collect();
+                let mut together = Squares::default();
+                fill_side_by_side(strategy, n, &keys, &mut together);
+                for (k, key) in keys.iter().enumerate() {
+                    let mut alone = Squares::default();
+                    Pattern::new(strategy, n as u64, Lanes::new(*key, n)).fill(&mut alone, n);
+                    for i in 0..n {
+                        let at = |row: &Row, i: usize| row[i / LANES][i % LANES];
+                        assert_eq!(at(&together.u, k * n + i), at(&alone.u, i), "{strategy} N = {n}");
+                        assert_eq!(at(&together.v, k * n + i), at(&alone.v, i), "{strategy} N = {n}");
+                    }
+                }
+            }
         }
     }
 

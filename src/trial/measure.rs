@@ -7,7 +7,7 @@ use std::time::Instant;
 use rayon::prelude::*;
 
 use crate::case::Case;
-use crate::estimator::{AreaEstimator, Scratch};
+use crate::estimator::{AreaEstimator, Job, Scratch};
 use crate::oracle::Truth;
 use crate::sampling::{Purpose, Strategy, StreamKey};
 use crate::statistics::PowerSums;
@@ -148,33 +148,47 @@ fn measure_unit(
         seconds: 0.0,
     };
     let mut scratch = Scratch::default();
-    let mut estimates = vec![0.0; points.len()];
-    for replicate in replicates {
-        prepared.estimator.replicate(strategy, samples, key, replicate, points, &mut scratch, &mut estimates);
-        for (sums, estimate) in unit.points.iter_mut().zip(&estimates) {
-            sums.add(*estimate);
+    let mut estimates = Vec::new();
+    let mut combined = Vec::new();
+    let step = replicates_at_once(points.len());
+    for first in replicates.clone().step_by(step as usize) {
+        let part = first..(first + step).min(replicates.end);
+        let count = (part.end - part.start) as usize;
+        estimates.resize(points.len() * count, 0.0);
+        let job = Job { strategy, samples, cell: key, replicates: part.clone(), points };
+        prepared.estimator.estimate(&job, &mut scratch, &mut estimates);
+        for (sums, row) in unit.points.iter_mut().zip(estimates.chunks_exact(count)) {
+            sums.extend(row);
         }
         for (sums, weights) in unit.contrasts.iter_mut().zip(&prepared.contrasts.weights) {
-            sums.add(dot(weights, &estimates));
+            combine(weights, &estimates, count, &mut combined);
+            sums.extend(&combined);
         }
-        if replicate < KEPT_REPLICATES && points.len() <= KEPT_POINTS {
-            unit.kept.extend(estimates.iter().zip(exact).map(|(estimate, exact)| estimate - exact));
+        if points.len() <= KEPT_POINTS {
+            for r in 0..count.min(KEPT_REPLICATES.saturating_sub(part.start) as usize) {
+                unit.kept.extend(exact.iter().enumerate().map(|(p, exact)| estimates[p * count + r] - exact));
+            }
         }
     }
     unit.seconds = start.elapsed().as_secs_f64();
     unit
 }
 
-/// Four partial sums, so that the additions do not wait for one another.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; 4];
-    let (a4, a_rest) = a.as_chunks::<4>();
-    let (b4, b_rest) = b.as_chunks::<4>();
-    for (a, b) in a4.iter().zip(b4) {
-        for l in 0..4 {
-            sums[l] += a[l] * b[l];
+/// Replicates estimated in one go: enough for small estimates to lie side by side, few enough for the cache. Part of
+/// the format, like the block of the sums: it fixes the order of additions.
+fn replicates_at_once(n_points: usize) -> u64 {
+    (32_768 / n_points as u64).clamp(1, 256)
+}
+
+/// Σ_p weight_p · estimate_p for each replicate.
+///
+/// - `estimates`: [point][replicate]
+fn combine(weights: &[f64], estimates: &[f64], n_replicates: usize, out: &mut Vec<f64>) {
+    out.clear();
+    out.resize(n_replicates, 0.0);
+    for (weight, row) in weights.iter().zip(estimates.chunks_exact(n_replicates)) {
+        for (sum, estimate) in out.iter_mut().zip(row) {
+            *sum += weight * estimate;
         }
     }
-    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
-    (sums[0] + sums[2]) + (sums[1] + sums[3]) + rest
 }

@@ -5,17 +5,17 @@
 //! by what a part of it too small to have been hit could add.
 
 use super::measure::{BATCHES, CellSums, Prepared};
-use super::peak::peak;
+use super::reach::peak;
 use crate::case::{Replicates, Study};
 use crate::oracle::Region;
 use crate::statistics::PowerSums;
 use crate::statistics::evidence::{replicates_for, smallest_shift};
 
 /// Shadow rays that one cell may cost before `auto` stops and says undecided.
-const MOST_RAYS: u64 = 1 << 32;
+const MOST_RAYS: u64 = 1 << 30;
 /// Fewest replicates of an automatic plan: enough for a variance and a correlation.
 const FEWEST_REPLICATES: u64 = 128;
-/// Share of the unoccluded irradiance from which on a point must be able to see the `point` bias.
+/// Share of the sources' light ([`super::reach::full`]) from which on a point must be able to see the `point` bias.
 const WELL_LIT: f64 = 0.1;
 /// An event that had this expected count in the pilot would have been missed with probability e⁻¹².
 const UNSEEN_COUNT: f64 = 12.0;
@@ -134,7 +134,7 @@ pub(super) fn point_margin(truth: &crate::oracle::Truth, study: &Study) -> f64 {
 fn well_lit<'a>(prepared: &'a Prepared, study: &'a Study) -> impl Iterator<Item = (usize, f64, f64)> + 'a {
     prepared.truths.iter().enumerate().filter_map(move |(p, truth)| {
         let value = truth.irradiance.watts_per_square_metre();
-        let lit = value > 0.0 && value >= WELL_LIT * truth.unoccluded_irradiance.watts_per_square_metre();
+        let lit = value > 0.0 && value >= WELL_LIT * prepared.full[p];
         lit.then(|| (p, value, point_margin(truth, study)))
     })
 }

@@ -89,7 +89,7 @@ fn flat_ceiling(height: f64, to_box: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::configuration::{Arrangement, Source};
-    use crate::estimator::{AreaEstimator, Scratch};
+    use crate::estimator::{AreaEstimator, Job, Scratch};
     use crate::geometry::{Disk, Rectangle, Sphere};
     use crate::radiometry::Exitance;
     use crate::sampling::{Strategy, StreamKey};
@@ -108,16 +108,12 @@ mod tests {
             let points = vec![at(0.0, 0.0), at(0.5, 0.3), at(2.0, 0.2), at(0.2, -1.0)];
             let room = Configuration::new(vec![source], vec![], None, points, Arrangement::Scattered).unwrap();
             let estimator = AreaEstimator::new(&room);
-            let (mut scratch, mut estimates) = (Scratch::default(), [0.0; 4]);
-            let mut largest = [0.0_f64; 4];
-            for replicate in 0..4_000 {
-                let key = StreamKey::root(5);
-                estimator.replicate(Strategy::Random, 1, key, replicate, room.points(), &mut scratch, &mut estimates);
-                for (largest, estimate) in largest.iter_mut().zip(estimates) {
-                    *largest = largest.max(estimate);
-                }
-            }
-            for (point, largest) in room.points().iter().zip(largest) {
+            let (strategy, cell) = (Strategy::Random, StreamKey::root(5));
+            let job = Job { strategy, samples: 1, cell, replicates: 0..4_000, points: room.points() };
+            let mut estimates = vec![0.0; 4 * 4_000];
+            estimator.estimate(&job, &mut Scratch::default(), &mut estimates);
+            for (point, row) in room.points().iter().zip(estimates.chunks_exact(4_000)) {
+                let largest = row.iter().copied().fold(0.0, f64::max);
                 let ceiling = peak(&room, point);
                 assert!(largest <= ceiling, "{largest} above {ceiling}");
                 assert!(ceiling < 20.0 * largest, "the ceiling {ceiling} is of the size of {largest}");
