@@ -129,7 +129,10 @@ impl pulp::NullaryFnOnce for Estimate<'_, '_> {
             let place = Place { emitter, source: index as u64, stride: stride.get() };
             // Small estimates fill a block only together.
             match job.samples {
-                1 | 2 | 4 | 8 => place.several_at_once(job, scratch, estimates),
+                1 => place.several_at_once::<1>(job, scratch, estimates),
+                2 => place.several_at_once::<2>(job, scratch, estimates),
+                4 => place.several_at_once::<4>(job, scratch, estimates),
+                8 => place.several_at_once::<8>(job, scratch, estimates),
                 _ => place.one_by_one(job, scratch, estimates),
             }
         }
@@ -216,17 +219,16 @@ impl Place<'_> {
     /// As many replicates of a small estimate as a block holds, side by side: the same numbers, bit for bit, as one by
     /// one, without the empty lanes.
     #[inline(always)]
-    fn several_at_once(&self, job: &Job, scratch: &mut Scratch, estimates: &mut [f64]) {
+    fn several_at_once<const N: usize>(&self, job: &Job, scratch: &mut Scratch, estimates: &mut [f64]) {
         let Scratch { squares, places, shading, keys, .. } = scratch;
-        let n = job.samples as usize;
-        for start in (0..self.stride).step_by(BLOCK / n) {
-            let count = (self.stride - start).min(BLOCK / n);
+        for start in (0..self.stride).step_by(BLOCK / N) {
+            let count = (self.stride - start).min(BLOCK / N);
             let mut scatter = |point: u64, squares: &mut Squares, places: &mut SurfaceBlock| {
                 keys.clear();
                 let first = job.replicates.start + start as u64;
                 keys.extend((first..first + count as u64).map(|replicate| self.key(job, replicate, point)));
-                fill_side_by_side(job.strategy, n, keys, squares);
-                self.emitter.surface.place(squares, n * count, places);
+                fill_side_by_side(job.strategy, N, keys, squares);
+                self.emitter.surface.place(squares, N * count, places);
             };
             if job.strategy.shares_points() {
                 scatter(0, squares, places);
@@ -235,13 +237,12 @@ impl Place<'_> {
                 if !job.strategy.shares_points() {
                     scatter(p as u64 + 1, squares, places);
                 }
-                self.emitter.illuminate(point, places, n * count, shading);
+                self.emitter.illuminate(point, places, N * count, shading);
                 let row = &mut estimates[p * self.stride + start..][..count];
-                let contributions = shading.contributions.as_flattened();
-                for (estimate, lanes) in row.iter_mut().zip(contributions.chunks_exact(n)) {
-                    let mut sum = [0.0; LANES];
-                    sum[..n].copy_from_slice(lanes);
-                    *estimate += self.emitter.strength * add_lanes(&sum) / job.samples as f64;
+                let (contributions, _) = shading.contributions.as_flattened().as_chunks::<N>();
+                for (estimate, lanes) in row.iter_mut().zip(contributions) {
+                    let sum: [f64; LANES] = std::array::from_fn(|lane| if lane < N { lanes[lane] } else { 0.0 });
+                    *estimate += self.emitter.strength * add_lanes(&sum) / N as f64;
                 }
             }
         }

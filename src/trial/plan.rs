@@ -33,7 +33,7 @@ pub(super) struct CellPlan {
 
 /// Pilot replicates of a cell with N samples.
 pub(super) fn pilot_replicates(samples: u64) -> u64 {
-    (8192 / samples).max(256)
+    (8192 / samples).max(128)
 }
 
 /// Capitals that a verdict averages: each point, the mean and each contrast, at each sample count and pooled.

@@ -25,7 +25,7 @@ use crate::scene::Hierarchy;
 use crate::statistics::interval;
 
 /// Shadow rays that compare each mesh's hierarchy with brute force.
-const COMPARED_RAYS: u64 = 4096;
+const COMPARED_RAYS: u64 = 512;
 const LEVEL: f64 = 0.95;
 
 /// What a run tells while it goes on.

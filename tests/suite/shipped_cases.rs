@@ -223,7 +223,8 @@ fn a_contact_shadow_softens_away_from_the_contact() {
 #[test]
 fn the_mesh_is_the_disk_of_the_eclipse() {
     let (mesh, disk) = (read("penumbra/eclipse-mesh"), read("penumbra/eclipse"));
-    assert_eq!(mesh.configuration.points(), disk.configuration.points());
+    let fourth: Vec<_> = disk.configuration.points().iter().copied().step_by(4).collect();
+    assert_eq!(mesh.configuration.points(), fourth);
     assert_eq!(mesh.configuration.sources(), disk.configuration.sources());
     let (Shape::Mesh(fan), Shape::Disk(round)) =
         (&mesh.configuration.occluders()[0], &disk.configuration.occluders()[0])
