@@ -54,6 +54,8 @@ pub use study::{Replicates, SmallestBias, Study};
 pub struct Case {
     /// The file's path below the folder that was given, without `.toml`: `penumbra/eclipse`.
     pub name: String,
+    /// What selects the case on a command line: the file's path as it was given, or the name of a shipped case.
+    pub selector: String,
     /// What people read.
     pub title: String,
     pub configuration: Configuration,
@@ -63,7 +65,7 @@ pub struct Case {
 impl Case {
     /// A case from text alone; it cannot name a mesh.
     pub fn from_toml(name: &str, text: &str) -> Result<Case, CaseErrors> {
-        let file = read::CaseFile { path: name, name, folder: &folder::Folder::Nowhere, below: name };
+        let file = read::CaseFile { path: name, selector: name, name, folder: &folder::Folder::Nowhere, below: name };
         read::read(&file, text.as_bytes())
     }
 

@@ -25,6 +25,8 @@ const MOST_SYNTAX_ERRORS: usize = 20;
 pub(super) struct CaseFile<'f> {
     /// As it is named in messages.
     pub(super) path: &'f str,
+    /// What selects it on a command line.
+    pub(super) selector: &'f str,
     /// The case's name.
     pub(super) name: &'f str,
     /// The folder of the cases, for meshes.
@@ -106,7 +108,7 @@ fn case(file: &CaseFile, text: &str, log: &mut Log) -> Option<Case> {
 
     let places = Places { root: &root, any_source, sources: source_spans, occluders: occluder_spans };
     let configuration = configuration(&places, sources, occluders, receiver, measured, log)?;
-    Some(Case { name: file.name.into(), title: title?.into(), configuration, study })
+    Some(Case { name: file.name.into(), selector: file.selector.into(), title: title?.into(), configuration, study })
 }
 
 /// A table that may be missing without the reader saying so.

@@ -253,7 +253,8 @@ impl OnDisk {
             ReadFault::Unreadable(said) => whole_file(&shown, CaseError::Unreadable { said }),
         })?;
         let folder = Folder::Disk(self.root.clone());
-        read(&CaseFile { path: &shown, name: &self.name, folder: &folder, below: &self.below }, &bytes)
+        let file = CaseFile { path: &shown, selector: &shown, name: &self.name, folder: &folder, below: &self.below };
+        read(&file, &bytes)
     }
 }
 

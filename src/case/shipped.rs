@@ -60,7 +60,9 @@ impl Shipped {
     pub fn read(&self) -> Result<Case, CaseErrors> {
         let shown = format!("shipped:{}", self.path);
         let folder = Folder::Shipped(FILES);
-        read(&CaseFile { path: &shown, name: self.name(), folder: &folder, below: self.path }, self.text.as_bytes())
+        let file =
+            CaseFile { path: &shown, selector: self.name(), name: self.name(), folder: &folder, below: self.path };
+        read(&file, self.text.as_bytes())
     }
 }
 

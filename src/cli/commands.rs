@@ -60,8 +60,8 @@ fn run_to_end(options: &Run) -> Result<u8, u8> {
     report::write(&options.out, &outcome, &ReportOptions { generator: GENERATOR, plots: !options.no_plots })
         .map_err(|error| fault(exit::OUTPUT, error))?;
     let styled = anstream::AutoStream::choice(&std::io::stdout()) != anstream::ColorChoice::Never;
-    let table =
-        report::table(&outcome, &TableOptions { styled, width: terminal_width(), report: Some(&options.out) });
+    let layout = TableOptions { styled, width: terminal_width(), report: Some(&options.out), quiet: options.quiet };
+    let table = report::table(&outcome, &layout);
     print(&table)?;
     let verdicts = || outcome.cases.iter().flat_map(|case| &case.strategies).flat_map(|s| &s.verdicts);
     let any = |verdict| verdicts().any(|judged| judged.verdict == verdict);

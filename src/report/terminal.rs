@@ -15,11 +15,13 @@ pub struct TableOptions<'a> {
     pub width: usize,
     /// Where the report lies, for the last line.
     pub report: Option<&'a Path>,
+    /// Only failures, what is undecided, and the summary.
+    pub quiet: bool,
 }
 
 impl Default for TableOptions<'_> {
     fn default() -> Self {
-        TableOptions { styled: false, width: 100, report: None }
+        TableOptions { styled: false, width: 100, report: None, quiet: false }
     }
 }
 
@@ -37,7 +39,7 @@ struct Line<'a> {
     judged: &'a JudgedProperty,
 }
 
-/// One line a verdict; then each failure again with its number, its threshold and the command that reproduces it, what
+/// One line a verdict (unless quiet); then each failure again with its number, its threshold and the command that reproduces it, what
 /// undecided verdicts lack, a summary, and where the report lies.
 pub fn table(outcome: &RunOutcome, options: &TableOptions) -> String {
     let lines: Vec<Line> = outcome
@@ -50,7 +52,9 @@ pub fn table(outcome: &RunOutcome, options: &TableOptions) -> String {
         })
         .collect();
     let mut text = String::new();
-    write_lines(&mut text, &lines, options);
+    if !options.quiet {
+        write_lines(&mut text, &lines, options);
+    }
     for line in lines.iter().filter(|l| l.judged.verdict == Verdict::Fail) {
         write_failure(&mut text, line, options);
     }
@@ -66,7 +70,8 @@ pub fn table(outcome: &RunOutcome, options: &TableOptions) -> String {
     if let Some(path) = options.report {
         let _ = writeln!(text, "report: {}", path.display());
     }
-    text
+    // Nothing above the first part that is left is nothing to set it off from.
+    text.trim_start_matches('\n').to_owned()
 }
 
 fn write_lines(text: &mut String, lines: &[Line], options: &TableOptions) {
@@ -266,6 +271,16 @@ UNDECIDED direct/disk-grid stratified bias
 report: reports/latest
 ";
         assert_eq!(text, expected, "\n{text}");
+    }
+
+    #[test]
+    fn a_quiet_table_keeps_what_matters() {
+        let loud = table(&with_failure(), &TableOptions::default());
+        let quiet = table(&with_failure(), &TableOptions { quiet: true, ..Default::default() });
+        assert!(quiet.starts_with("FAIL penumbra/eclipse correlated bias\n"), "{quiet}");
+        assert!(loud.ends_with(&quiet) && !quiet.contains("PASS"), "{quiet}");
+        let calm = table(&made_up::outcome(), &TableOptions { quiet: true, ..Default::default() });
+        assert_eq!(calm, "9 verdicts: 9 passed, 0 failed, 0 undecided\n");
     }
 
     #[test]

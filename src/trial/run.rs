@@ -54,6 +54,7 @@ pub fn run(
     settings: &Settings,
     progress: &(dyn Fn(Progress) + Sync),
 ) -> Result<RunOutcome, TrialError> {
+    let selectors: Vec<&str> = cases.iter().map(|case| case.selector.as_str()).collect();
     let cases = cases
         .iter()
         .map(|case| {
@@ -61,7 +62,7 @@ pub fn run(
             run_case(case, settings, progress)
         })
         .collect::<Result<Vec<_>, _>>()?;
-    Ok(RunOutcome { seed: settings.seed, command: settings.command(&[], None), cases })
+    Ok(RunOutcome { seed: settings.seed, command: settings.command(&selectors, None), cases })
 }
 
 fn run_case(
@@ -89,7 +90,7 @@ fn run_case(
         .strategies
         .iter()
         .map(|strategy| {
-            let reproduce = settings.command(&[&case.name], Some(*strategy));
+            let reproduce = settings.command(&[&case.selector], Some(*strategy));
             run_strategy(&prepared, &study, *strategy, reproduce, progress)
         })
         .collect();

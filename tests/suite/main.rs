@@ -2,5 +2,11 @@
 
 mod case_files;
 mod certified;
+#[cfg(feature = "cli")]
+mod command_line;
+mod convergence;
+mod determinism;
+mod estimator_laws;
 mod exact;
 mod shipped_cases;
+mod walls;

@@ -59,7 +59,7 @@ fn inside(outline: &[[f64; 2]], p: [f64; 2]) -> bool {
 }
 
 /// Whether a shape blocks the open segment.
-fn blocks(shape: &Shape, from: DVec3, to: DVec3) -> bool {
+pub(super) fn blocks(shape: &Shape, from: DVec3, to: DVec3) -> bool {
     let on_plane = |anchor: DVec3, normal: DVec3| {
         let (a, b) = ((from - anchor).dot(normal), (to - anchor).dot(normal));
         (a * b < 0.0).then(|| from + (to - from) * (a / (a - b)))
