@@ -114,6 +114,19 @@ impl Surface {
         }
     }
 
+    /// Whether somewhere inside the unit square neighbours are parted: where a polygon's chord jumps or splits. What is
+    /// smooth on the surface then jumps over the square, and strata gain less.
+    pub fn is_torn(&self) -> bool {
+        let Chart::Chords { slabs, .. } = &self.chart else { return false };
+        let split = slabs.iter().any(|slab| slab.pieces.len() > 1);
+        let parted = |before: &Slab, after: &Slab| {
+            let ends = before.pieces.iter().zip(&after.pieces).flat_map(|(a, b)| [0, 1].map(|k| (a[k][1], b[k][0])));
+            // Rounding of a vertex is no jump.
+            ends.into_iter().any(|(end, start)| (end - start).abs() > 1e-9 * self.area.sqrt())
+        };
+        split || slabs.windows(2).any(|pair| parted(&pair[0], &pair[1]))
+    }
+
     /// Puts the first `len` points of a block (rounded up to whole lanes) on the surface.
     #[inline(always)]
     pub fn place(&self, squares: &Squares, len: usize, out: &mut SurfaceBlock) {
@@ -375,5 +388,16 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn only_jumping_chords_tear_a_surface() {
+        let torn: Vec<bool> = shapes().iter().map(|shape| Surface::new(shape).unwrap().is_torn()).collect();
+        let l_and_m_alone: Vec<bool> =
+            shapes().iter().map(|shape| matches!(shape, Shape::Polygon(polygon) if !polygon.is_convex())).collect();
+        assert_eq!(torn, l_and_m_alone);
+        // A dart: its chords along the longest edge end at a concave corner without a jump.
+        let dart = polygon(&[[0.0, 0.0], [3.0, 0.0], [1.4, 0.4], [0.9, 1.2]]);
+        assert!(!Surface::new(&dart).unwrap().is_torn());
     }
 }

@@ -2,8 +2,9 @@
 
 use super::measure::{BATCHES, CellSums, Prepared};
 use super::outcome::{Rate, RatePoint};
+use crate::configuration::Source;
 use crate::oracle::Region;
-use crate::sampling::Strategy;
+use crate::sampling::{Strategy, Surface};
 use crate::statistics::slope::{Line, Noise};
 
 const LEVEL: f64 = 0.95;
@@ -70,13 +71,19 @@ fn rate(
 }
 
 /// The slope that theory gives for large N: −1 for independent points; for one jittered point per stratum −2 where the
-/// integrand is smooth and −3/2 where a shadow's edge cuts the source (Mitchell, SIGGRAPH 1996).
+/// integrand is smooth over the unit square and −3/2 where it jumps along a line (Mitchell, SIGGRAPH 1996): where a shadow's
+/// edge cuts the source, or where the square is torn to cover it.
 fn asymptote(prepared: &Prepared, strategy: Strategy, points: &[usize]) -> f64 {
     match strategy {
         Strategy::Random | Strategy::Correlated => -1.0,
         Strategy::Stratified if points.iter().any(|p| prepared.truths[*p].shadow_edge) => -1.5,
+        Strategy::Stratified if prepared.case.configuration.sources().iter().any(tears) => -1.5,
         Strategy::Stratified => -2.0,
     }
+}
+
+fn tears(source: &Source) -> bool {
+    Surface::new(source.shape()).is_some_and(|surface| surface.is_torn())
 }
 
 /// Batches must exist for the smallest plan.

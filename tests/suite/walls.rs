@@ -84,7 +84,8 @@ fn outside_crates_are_spoken_to_in_their_own_rooms() {
 fn the_source_is_all_read() {
     let sources = sources();
     assert!(sources.len() > 50, "{} files", sources.len());
-    let rooms: BTreeSet<&str> = sources.iter().map(|source| room_of(&source.path)).collect();
+    let rooms = sources.iter().map(|source| room_of(&source.path)).filter(|room| *room != "lib");
+    let rooms: BTreeSet<&str> = rooms.collect();
     let known: BTreeSet<&str> = ROOMS.iter().map(|(room, ..)| *room).collect();
     assert_eq!(rooms, known, "a new room gets its floor, an empty one leaves the list");
 }
