@@ -86,7 +86,7 @@ const ALLOWANCES: &[Allowance] = &[
     Allowance { case: "direct/sphere-source", region: Some(Region::Lit), range: (-1.7, -1.5), reason: FOUR_ALIKE },
     Allowance { case: "direct/disk-receiver", region: None, range: (-1.65, -1.45), reason: FOUR_ALIKE },
     Allowance { case: "direct/disk-receiver", region: Some(Region::Lit), range: (-1.65, -1.45), reason: FOUR_ALIKE },
-    Allowance { case: "penumbra/spheres", region: Some(Region::Lit), range: (-1.45, -1.25), reason: FOUR_ALIKE },
+    Allowance { case: "penumbra/spheres", region: Some(Region::Lit), range: (-1.6, -1.3), reason: FOUR_ALIKE },
     Allowance {
         case: "penumbra/three-regions",
         region: None,
@@ -98,8 +98,12 @@ const ALLOWANCES: &[Allowance] = &[
 
 /// The map of a sphere has its pole in the middle of the square: four strata are quarters about it, each with the whole
 /// range from pole to pole, so the step from 1 to 4 gains no more than four random points (N^−1.1). Slopes between
-/// neighbouring counts on direct/sphere-source: −1.07, −1.78, −1.89, −1.98, −1.96, −2.02 up to N = 4096.
+/// neighbouring counts on direct/sphere-source: −1.07, −1.78, −1.89, −1.98, −1.96, −2.02 up to N = 4096. The fit to such
+/// a curve moves with its weights, the replicates at each count.
 const FOUR_ALIKE: &str = "the first four strata of a sphere are alike";
+
+/// What a pass must have been able to see here: the biases of a quick run, in a second or so a case.
+const COARSE: SmallestBias = SmallestBias { mean: 0.05, point: 0.5 };
 
 /// Studies one case, leaves the evidence, and asserts what must hold of any case.
 fn check(name: &str) {
@@ -107,7 +111,7 @@ fn check(name: &str) {
     let outcome = match name {
         // A hundred thousand triangles: a ray costs a hundred times as much.
         "penumbra/eclipse-mesh" => study(&case, name, vec![1, 4, 16], SmallestBias { mean: 0.1, point: 1.0 }),
-        _ => study(&case, name, vec![1, 4, 16, 64, 256], SmallestBias { mean: 0.05, point: 0.5 }),
+        _ => study(&case, name, vec![1, 4, 16, 64, 256], COARSE),
     };
     let strategies: Vec<_> = outcome.strategies.iter().map(|s| s.strategy).collect();
     assert_eq!(strategies, Strategy::ALL, "{name}");
@@ -320,8 +324,12 @@ fn read(name: &str) -> Case {
 /// Studies a case that is written down here, with enough replicates for slopes good to a hundredth (shared points: a fiftieth).
 fn study_of(name: &str, text: &str, samples: Vec<u64>) -> CaseOutcome {
     let case = Case::from_toml(name, text).unwrap_or_else(|mistakes| panic!("{mistakes}"));
-    let overrides =
-        Overrides { samples: Some(samples), replicates: Some(Replicates::Fixed(512)), ..Overrides::default() };
+    let overrides = Overrides {
+        samples: Some(samples),
+        replicates: Some(Replicates::Fixed(512)),
+        smallest_bias: Some(COARSE),
+        ..Overrides::default()
+    };
     study_with(&case, name, overrides)
 }
 
