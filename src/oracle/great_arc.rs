@@ -58,6 +58,6 @@ impl GreatArc {
         let angle = to - from;
         // The plane's normal turns about the edge's own direction: for a short edge it may turn far, and moves little.
         let tilt = angle.min(1.0) * self.condition;
-        Term { value: n.dot(self.normal) * angle, weight: angle + tilt }
+        Term { value: n.dot(self.normal) * angle, weight: 0.25 * (from.abs() + to.abs()) + angle + tilt }
     }
 }

@@ -26,9 +26,9 @@ fn shape(text: &str) -> Shape {
     match kind {
         "disk" => Shape::Disk(Disk::new(vector(0), vector(3), numbers[6]).unwrap()),
         "ball" => Shape::Sphere(Sphere::new(vector(0), numbers[3]).unwrap()),
-        "poly" => Shape::Polygon(
-            Polygon::new((0..numbers[0] as usize).map(|i| vector(1 + 3 * i)).collect()).unwrap(),
-        ),
+        "poly" => {
+            Shape::Polygon(Polygon::new((0..numbers[0] as usize).map(|i| vector(1 + 3 * i)).collect()).unwrap())
+        }
         other => panic!("unknown surface {other}"),
     }
 }
@@ -74,9 +74,6 @@ fn rows(table: &str) -> Vec<Row> {
         .collect()
 }
 
-/// Built to be nasty: equal circles a gap of 2⁻³⁰ apart; an occluder 10⁶ times the source. Looser, and within their own bound.
-const NASTY: f64 = 1e-9;
-
 /// Every row of a table: within its own bound, and within what is promised of its kind.
 ///
 /// - `relative`: of unoccluded sources wholly above the horizon
@@ -88,11 +85,8 @@ fn check(table: &str, relative: f64) {
         let f = row.truth.form_factor.ratio();
         let bound = row.truth.bound.watts_per_square_metre();
         let error = (f - row.visible).abs();
-        let promised = if !row.is_occluded && !row.is_cut {
-            relative * row.visible
-        } else {
-            1e-12 * row.unoccluded + 2e-15
-        };
+        let promised =
+            if !row.is_occluded && !row.is_cut { relative * row.visible } else { 1e-12 * row.unoccluded + 2e-15 };
         // The table's value is itself rounded to f64 here.
         let own = bound + f64::EPSILON * row.visible;
         if error > promised || error > own || bound.is_nan() {
@@ -111,7 +105,12 @@ fn check(table: &str, relative: f64) {
         if row.unoccluded > 0.0 {
             worst_bound = worst_bound.max(bound / row.unoccluded);
         }
-        assert_eq!(row.truth.region == Region::Umbra || row.truth.region == Region::BelowHorizon, f == 0.0, "{}", row.id);
+        assert_eq!(
+            row.truth.region == Region::Umbra || row.truth.region == Region::BelowHorizon,
+            f == 0.0,
+            "{}",
+            row.id
+        );
         let unoccluded = row.truth.unoccluded_irradiance.watts_per_square_metre();
         let error = (unoccluded - row.unoccluded).abs();
         if error > 1e-12 * row.unoccluded + 2e-15 {
@@ -120,12 +119,14 @@ fn check(table: &str, relative: f64) {
     }
     println!(
         "{table}: {} rows; worst error / F_unoccluded {:.1e} ({}); worst error / bound {:.2} ({}); largest bound / F_unoccluded {worst_bound:.1e}",
-        rows.len(), worst.0, worst.1, worst_share.0, worst_share.1
+        rows.len(),
+        worst.0,
+        worst.1,
+        worst_share.0,
+        worst_share.1
     );
     assert!(faults.is_empty(), "{} of {} rows:\n{}", faults.len(), rows.len(), faults.join("\n"));
 }
-
-const _: f64 = NASTY;
 
 macro_rules! tables {
     ($($name:ident: $relative:expr;)*) => {
