@@ -44,8 +44,7 @@ fn within(t: f64, from: f64, to: f64, overhang: f64) -> Option<f64> {
 }
 
 fn straight_straight(a: &GreatArc, b: &GreatArc, found: &mut impl FnMut(f64, f64)) -> Option<bool> {
-    let (b_start, b_end) = (b.start, b.end());
-    let (a_start, a_end) = (a.start, a.end());
+    let ([a_start, a_end], [b_start, b_end]) = (a.ends, b.ends);
     let (s0, s1) = (a.normal.dot(b_start), a.normal.dot(b_end));
     let (r0, r1) = (b.normal.dot(a_start), b.normal.dot(a_end));
     if s0.abs().max(s1.abs()).max(r0.abs()).max(r1.abs()) <= COINCIDENT {

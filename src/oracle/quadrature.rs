@@ -2,14 +2,14 @@
 //!
 //! A flat source is cut into straight strips. Along a strip the integrand has a closed-form integral; it is taken between
 //! the points where the source's outline, the horizon or an occluder's trace crosses the strip, wherever a ray through the
-//! middle is not blocked. Across the strips a Gauss–Kronrod rule runs between those strips at which the list of visible
-//! intervals changes its make-up; these are found by bisection, so that no crossing of outlines need be solved for. Between
+//! middle is not blocked. Across the strips a Gauss–Kronrod rule runs between those strips at which the list of crossings changes its
+//! make-up; these are found by bisection, so that no crossing of outlines need be solved for. Between
 //! them the integrand is analytic, with square-root ends at worst, which `s = middle + half sin θ` takes away.
 //!
 //! A sphere source is integrated over the disk of its silhouette, which fills the same directions, while rays are tested
 //! against the sphere itself; this also covers occluders that cut into a sphere source.
 //!
-//! Limit: a feature narrower than the spacing of the first strips (1/240 of the source) may be missed.
+//! Limit: an opening between corners closer than the first strips' spacing (1/240 of the source) may be missed.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -26,6 +26,7 @@ pub(super) struct Strips {
     pub error: f64,
     pub seen: bool,
     pub hidden: bool,
+    panels: u32,
 }
 
 /// The strips' frame on the source's plane, relative to the eye: points are `−height m + s e1 + t e2`.
@@ -53,11 +54,13 @@ enum Blocker<'a> {
     Flat { shape: &'a Flat, points: Vec<DVec3> },
 }
 
-/// Ends of the visible intervals along a strip, and what made each end.
+/// One strip: its integral, and its make-up: what crosses it in which order (hidden or not, so that a small opening between
+/// two outlines shows wherever these have changed places), and what is seen between.
 #[derive(Default)]
 struct Strip {
-    ends: Vec<(f64, usize)>,
+    make: Vec<(usize, bool)>,
     integral: f64,
+    seen: bool,
     hidden: bool,
 }
 
@@ -65,8 +68,12 @@ struct Strip {
 const PANELS: usize = 16;
 /// Absolute error estimate at which a panel is good enough.
 const TOLERANCE: f64 = 1e-14;
+/// Crossings of a strip nearer than this, in units of the distance, are one.
+const MERGED: f64 = 1e-13;
+/// Panels after which those that remain are taken as they are, with their error estimates.
+const BUDGET: u32 = 4000;
 /// Halvings before a panel is taken as it is.
-const DEEPEST: u32 = 40;
+const DEEPEST: u32 = 60;
 /// So that no edge of a case is parallel to the strips: radians.
 const TURN: f64 = 0.618_033_988_749_894_9;
 
@@ -74,11 +81,9 @@ const TURN: f64 = 0.618_033_988_749_894_9;
 /// - returns zero for a source that turns its dark side or is seen from inside
 pub(super) fn visible(n: DVec3, source: &Body, occluders: &[&Body], eye: DVec3) -> Strips {
     let Some(emitter) = Emitter::new(n, source, occluders, eye) else { return Strips::default() };
-    let (low, high) = emitter.extent();
     let mut sum = Strips::default();
-    for i in 0..PANELS {
-        let at = |k: usize| low + (high - low) * (k as f64 / PANELS as f64);
-        emitter.panel(at(i), at(i + 1), 0, &mut sum);
+    for pair in emitter.first_panels().windows(2) {
+        emitter.panel(pair[0], pair[1], 0, &mut sum);
     }
     sum.error += 1e-13 * sum.value.abs() + 1e-15;
     sum
@@ -130,6 +135,25 @@ impl<'a> Emitter<'a> {
         Some(Emitter { n, down, height, e1, e2, outline, ball, blockers })
     }
 
+    /// Even panels, split at all corners: what a corner leaves open is narrow there.
+    fn first_panels(&self) -> Vec<f64> {
+        let (low, high) = self.extent();
+        let mut ends: Vec<f64> = (1..PANELS).map(|i| low + (high - low) * (i as f64 / PANELS as f64)).collect();
+        if let Outline::Edges(edges) = &self.outline {
+            ends.extend(edges.iter().map(|[from, _]| from[0]));
+        }
+        for blocker in &self.blockers {
+            if let Blocker::Flat { points, .. } = blocker {
+                ends.extend(points.iter().map(|p| p.dot(self.e1) * (self.height / p.dot(self.down))));
+            }
+        }
+        ends.retain(|s| *s > low && *s < high);
+        ends.extend([low, high]);
+        ends.sort_by(f64::total_cmp);
+        ends.dedup();
+        ends
+    }
+
     fn extent(&self) -> (f64, f64) {
         match &self.outline {
             Outline::Circle { center, radius } => (center[0] - radius, center[0] + radius),
@@ -146,6 +170,8 @@ impl<'a> Emitter<'a> {
         if half <= 2.0 * f64::EPSILON * middle.abs().max(self.height * f64::EPSILON) {
             return;
         }
+        sum.panels += 1;
+        let deeper = depth < DEEPEST && sum.panels < BUDGET;
         let mut strips: Vec<(f64, Strip, f64, f64)> = Vec::with_capacity(15);
         for (node, kronrod, gauss) in KRONROD_15 {
             let angle = FRAC_PI_2 * node;
@@ -157,17 +183,15 @@ impl<'a> Emitter<'a> {
             let stretch = half * angle.cos() * FRAC_PI_2;
             strips.push((s, self.strip(s), kronrod * stretch, gauss * stretch));
         }
-        if depth < DEEPEST
-            && let Some(pair) = strips.windows(2).find(|pair| !pair[0].1.is_made_like(&pair[1].1))
-        {
+        if deeper && let Some(pair) = strips.windows(2).find(|pair| pair[0].1.make != pair[1].1.make) {
             let (mut a, mut b) = (pair[0].0, pair[1].0);
-            let make = &pair[0].1;
+            let make = &pair[0].1.make;
             while {
                 let c = 0.5 * (a + b);
                 c > a && c < b
             } {
                 let c = 0.5 * (a + b);
-                if self.strip(c).is_made_like(make) {
+                if self.strip(c).make == *make {
                     a = c;
                 } else {
                     b = c;
@@ -182,14 +206,14 @@ impl<'a> Emitter<'a> {
         let fine: f64 = strips.iter().map(|(_, strip, weight, _)| strip.integral * weight).sum();
         let coarse: f64 = strips.iter().map(|(_, strip, _, weight)| strip.integral * weight).sum();
         let error = (fine - coarse).abs();
-        if error > TOLERANCE && depth < DEEPEST {
+        if error > TOLERANCE && deeper {
             self.panel(low, middle, depth + 1, sum);
             self.panel(middle, high, depth + 1, sum);
             return;
         }
         sum.value += fine;
         sum.error += error;
-        sum.seen |= strips.iter().any(|(_, strip, ..)| !strip.ends.is_empty());
+        sum.seen |= strips.iter().any(|(_, strip, ..)| strip.seen);
         sum.hidden |= strips.iter().any(|(_, strip, ..)| strip.hidden);
     }
 
@@ -223,20 +247,30 @@ impl<'a> Emitter<'a> {
         breaks.retain(|b| b.0.is_finite());
         breaks.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut strip = Strip::default();
+        let near = MERGED * (self.height + s.abs());
         for [from, to] in inside {
             let mut last = from;
-            let within = breaks.iter().copied().filter(|b| b.0 > from.0 && b.0 < to.0);
+            // Outlines on one another change places from strip to strip at random: they count as one crossing, which
+            // bears the sum of their names.
+            let mut met = from.1;
+            let reach = |t: f64| near + MERGED * t.abs();
+            let (first, end) = (from.0 - reach(from.0), to.0 + reach(to.0));
+            let within = breaks.iter().filter(|b| b.0 > first && b.0 < end).map(|b| (b.0.clamp(from.0, to.0), b.1));
             for next in within.chain([to]) {
-                let point = base + self.e2 * (0.5 * (last.0 + next.0));
-                if self.n.dot(point) > 0.0 {
-                    if self.is_blocked(point) {
-                        strip.hidden = true;
-                    } else {
-                        strip.add(last, next);
-                        strip.integral += self.integral(s, level, slope, last.0, next.0);
-                    }
+                if next.0 - last.0 <= reach(next.0) {
+                    met += next.1;
+                    continue;
                 }
-                last = next;
+                let point = base + self.e2 * (0.5 * (last.0 + next.0));
+                let above = self.n.dot(point) > 0.0;
+                let seen = above && !self.is_blocked(point);
+                if seen {
+                    strip.integral += self.integral(s, level, slope, last.0, next.0);
+                }
+                strip.seen |= seen;
+                strip.hidden |= above && !seen;
+                strip.make.push((met, seen));
+                (last, met) = (next, next.1);
             }
         }
         strip
@@ -376,23 +410,13 @@ impl Trace<'_> {
                     self.circle(center - normal * offset, normal, square.sqrt(), 4);
                 }
             }
+            // Parallel planes meet nowhere, or where rounding says.
+            None if normal.cross(self.emitter.down).length() < 1e-12 => {}
             None => {
                 let t = normal.dot(anchor - self.base) / normal.dot(self.emitter.e2);
                 self.breaks.push((t, self.id + 6));
             }
         }
-    }
-}
-
-impl Strip {
-    fn add(&mut self, from: (f64, usize), to: (f64, usize)) {
-        match self.ends.last_mut() {
-            Some(last) if last.0 == from.0 => *last = to,
-            _ => self.ends.extend([from, to]),
-        }
-    }
-    fn is_made_like(&self, other: &Strip) -> bool {
-        self.ends.iter().map(|e| e.1).eq(other.ends.iter().map(|e| e.1))
     }
 }
 
