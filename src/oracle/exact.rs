@@ -95,7 +95,7 @@ impl Oracle {
         let (mut whole, mut below, mut hidden, mut unclear) = (0, 0, 0, 0);
         for i in 0..self.sources.len() {
             let exitance = self.sources[i].exitance;
-            let seen = self.from_source(i, eye, n);
+            let seen = self.of_source(i, eye, n);
             irradiance += exitance * seen.visible.value;
             unoccluded += exitance * seen.unoccluded;
             form_factor += seen.visible.value;
@@ -135,7 +135,7 @@ impl Oracle {
         }
     }
 
-    fn from_source(&self, index: usize, eye: DVec3, n: DVec3) -> Contribution {
+    fn of_source(&self, index: usize, eye: DVec3, n: DVec3) -> Contribution {
         let body = &self.sources[index].body;
         let Some(limit) = Limit::of(body, eye) else { return Contribution::below() };
         let Some(piece) = Piece::of_source(body, eye, n) else { return Contribution::below() };
@@ -177,7 +177,7 @@ fn judged(seen: &Visible, unoccluded: Factor, piece: &Piece, whole: impl Fn(Fact
     let shade = point_factor::from_terms(seen.occluders);
     let own = if seen.source_hidden { point_factor::from_terms(seen.source) } else { unoccluded };
     let value = (own.value - shade.value).clamp(0.0, unoccluded.value);
-    let told = (seen.surely_seen && seen.surely_hidden) || (piece.is_cut && seen.surely_seen);
+    let told = seen.surely_seen && (seen.surely_hidden || piece.is_cut);
     Contribution {
         visible: Factor { value, bound: own.bound + shade.bound + doubt },
         shadow_edge: seen.shadow_edge,
@@ -228,6 +228,7 @@ struct Limit<'a> {
     keep: HalfSpace,
 }
 
+#[expect(clippy::large_enum_variant, reason = "lives for one match, where a box would cost an allocation")]
 enum Blocking {
     None,
     Part(Piece),

@@ -2,7 +2,7 @@
 
 use etendue::configuration::{Arrangement, Configuration, MeasurementPoint, Source};
 use etendue::geometry::{DVec3, Disk, Frame, Mesh, Polygon, Rectangle, Shape, Sphere};
-use etendue::oracle::{Oracle, Region, Truth};
+use etendue::oracle::{Method, Oracle, Region, Truth};
 use etendue::radiometry::Exitance;
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -106,7 +106,8 @@ proptest! {
         prop_assert!(0.0 <= factor(&t) && factor(&t) <= open && open <= 1.0, "{t:?}");
         let dark = matches!(t.region, Region::Umbra | Region::BelowHorizon);
         prop_assert_eq!(dark, factor(&t) == 0.0, "{:?}", t);
-        prop_assert!(bound(&t) < 1e-11 && (!dark || bound(&t) == 0.0), "{t:?}");
+        let usable = if t.method == Method::ClosedForm { 1e-11 } else { 1e-8 };
+        prop_assert!(bound(&t) < usable && (!dark || bound(&t) == 0.0), "{t:?}");
         prop_assert!(t.region != Region::Lit || factor(&t) == open, "{t:?}");
     }
 
@@ -244,22 +245,22 @@ fn what_one_patch_sends_another_it_would_receive_from_it() {
     let (forth, back) = (flux(&a, &b, &[], 24), flux(&b, &a, &[], 24));
     assert!((forth - back).abs() <= 1e-13 * forth, "{forth} against {back}");
     // Behind a ball the inner factor has kinks (in the 3/2 power): the outer rule is worth fewer digits.
-    let ball = Shape::Sphere(Sphere::new(DVec3::new(0.15, 0.2, 0.5), 0.2).unwrap());
-    let (forth, back) = (flux(&a, &b, &[ball.clone()], 48), flux(&b, &a, &[ball], 48));
+    let ball = [Shape::Sphere(Sphere::new(DVec3::new(0.15, 0.2, 0.5), 0.2).unwrap())];
+    let (forth, back) = (flux(&a, &b, &ball, 48), flux(&b, &a, &ball, 48));
     assert!((forth - back).abs() <= 1e-5 * forth, "{forth} against {back}");
 }
 
 #[test]
 fn the_lectures_three_regions_are_told_apart() {
-    let source = Shape::Disk(Disk::new(DVec3::Z * 2.0, -DVec3::Z, 0.5).unwrap());
-    let occluder = Shape::Disk(Disk::new(DVec3::Z, DVec3::Z, 0.4).unwrap());
-    let region = |x: f64| truth(&[source.clone()], &[occluder.clone()], DVec3::X * x, DVec3::Z).region;
+    let source = [Shape::Disk(Disk::new(DVec3::Z * 2.0, -DVec3::Z, 0.5).unwrap())];
+    let occluder = [Shape::Disk(Disk::new(DVec3::Z, DVec3::Z, 0.4).unwrap())];
+    let region = |x: f64| truth(&source, &occluder, DVec3::X * x, DVec3::Z).region;
     // Umbra up to 2·0.4 − 0.5 = 0.3, penumbra up to 2·0.4 + 0.5 = 1.3.
     let told = [(0.0, Region::Umbra), (0.29, Region::Umbra), (0.31, Region::Penumbra), (1.29, Region::Penumbra)];
     for (x, expected) in told.into_iter().chain([(1.31, Region::Lit)]) {
         assert_eq!(region(x), expected, "at {x}");
     }
-    let behind = truth(&[source.clone()], &[occluder], DVec3::ZERO, -DVec3::Z);
+    let behind = truth(&source, &occluder, DVec3::ZERO, -DVec3::Z);
     assert_eq!((behind.region, factor(&behind), bound(&behind)), (Region::BelowHorizon, 0.0, 0.0));
 }
 
