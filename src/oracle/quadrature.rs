@@ -143,8 +143,16 @@ impl<'a> Emitter<'a> {
             ends.extend(edges.iter().map(|[from, _]| from[0]));
         }
         for blocker in &self.blockers {
-            if let Blocker::Flat { points, .. } = blocker {
-                ends.extend(points.iter().map(|p| p.dot(self.e1) * (self.height / p.dot(self.down))));
+            match blocker {
+                Blocker::Flat { points, .. } => {
+                    ends.extend(points.iter().map(|p| p.dot(self.e1) * (self.height / p.dot(self.down))));
+                }
+                Blocker::Disk { center, normal, radius } => ends.extend(self.touching(*center, *normal, *radius)),
+                Blocker::Ball { center, radius } => {
+                    let distance = center.length();
+                    let shrink = ((distance - radius) * (distance + radius)).max(0.0) / (distance * distance);
+                    ends.extend(self.touching(*center * shrink, *center / distance, radius * shrink.sqrt()));
+                }
             }
         }
         ends.retain(|s| *s > low && *s < high);
@@ -152,6 +160,18 @@ impl<'a> Emitter<'a> {
         ends.sort_by(f64::total_cmp);
         ends.dedup();
         ends
+    }
+
+    /// The strips that touch a circle's trace: their plane's normal N = A + s B has (N·c)² = a² (|N|² − (N·w)²).
+    fn touching(&self, center: DVec3, normal: DVec3, radius: f64) -> [f64; 2] {
+        let (a, b) = (self.down.cross(self.e2) * self.height, self.e1.cross(self.e2));
+        let form = |x: DVec3, y: DVec3| {
+            x.dot(center) * y.dot(center) - radius * radius * (x.dot(y) - x.dot(normal) * y.dot(normal))
+        };
+        let (square, middle, level) = (form(b, b), form(a, b), form(a, a));
+        // Not a number where there is none: the caller keeps what lies on the source.
+        let root = (middle * middle - square * level).sqrt();
+        [(-middle - root) / square, (-middle + root) / square]
     }
 
     fn extent(&self) -> (f64, f64) {
