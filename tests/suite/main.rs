@@ -3,4 +3,5 @@
 mod case_files;
 mod certified;
 mod exact;
+mod laws;
 mod shipped_cases;
