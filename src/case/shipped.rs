@@ -24,7 +24,7 @@ static FILES: &[(&str, &[u8])] = embedded![
     "direct/two-sources.toml",
     "penumbra/annular-eclipse.toml",
     "penumbra/contact-shadow.toml",
-    "penumbra/disk-392-fan.obj",
+    "penumbra/disk-17-rings.obj",
     "penumbra/eclipse.toml",
     "penumbra/eclipse-at-sunset.toml",
     "penumbra/eclipse-closing.toml",

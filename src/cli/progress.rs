@@ -55,7 +55,7 @@ impl Bar {
         }
         let (planned, traced) = (self.planned.load(Ordering::Relaxed), self.traced.load(Ordering::Relaxed));
         // A case's plan grows while it runs, so its share may not run ahead of what is known.
-        let share = if planned > 0 { (STEPS * traced / planned).min(STEPS) } else { 0 };
+        let share = (STEPS * traced).checked_div(planned).unwrap_or(0).min(STEPS);
         let position = state.finished * STEPS + share;
         if position > self.bar.position() {
             self.bar.set_position(position);

@@ -9,7 +9,7 @@ use crate::geometry::{Shape, Sphere};
 #[derive(Clone, Debug)]
 pub(super) struct Body {
     pub figure: Figure,
-    /// A ball around it.
+    /// A ball around it; its centre lies in the plane of a flat figure.
     pub center: DVec3,
     pub reach: f64,
 }
@@ -76,11 +76,9 @@ impl Body {
     }
 
     fn of_flat(flat: Flat) -> Body {
-        let (low, high) = flat
-            .offsets
-            .iter()
-            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(*p), high.max(*p)));
-        let middle = (low + high) * 0.5;
+        // The mean of the corners lies in their plane; relative to one of them, so that far corners keep their digits.
+        let first = flat.offsets[0];
+        let middle = first + flat.offsets.iter().map(|p| *p - first).sum::<DVec3>() / flat.offsets.len() as f64;
         let reach = flat.offsets.iter().map(|p| (*p - middle).length()).fold(0.0, f64::max);
         Body { center: flat.origin + middle, reach, figure: Figure::Flat(flat) }
     }

@@ -25,7 +25,7 @@ pub(super) fn crossings(a: &Curve, b: &Curve, mut found: impl FnMut(f64, f64)) -
     match (a, b) {
         (Curve::Straight(p), Curve::Straight(q)) => straight_straight(p, q, &mut found),
         (Curve::Straight(p), Curve::Round { rim, from, to }) => {
-            straight_round(p, rim, *from, *to, |s, t| found(s, t));
+            straight_round(p, rim, *from, *to, &mut found);
             None
         }
         (Curve::Round { rim, from, to }, Curve::Straight(q)) => {
@@ -44,8 +44,7 @@ fn within(t: f64, from: f64, to: f64, overhang: f64) -> Option<f64> {
 }
 
 fn straight_straight(a: &GreatArc, b: &GreatArc, found: &mut impl FnMut(f64, f64)) -> Option<bool> {
-    let (b_start, b_end) = (b.start, b.end());
-    let (a_start, a_end) = (a.start, a.end());
+    let ([a_start, a_end], [b_start, b_end]) = (a.ends, b.ends);
     let (s0, s1) = (a.normal.dot(b_start), a.normal.dot(b_end));
     let (r0, r1) = (b.normal.dot(a_start), b.normal.dot(a_end));
     if s0.abs().max(s1.abs()).max(r0.abs()).max(r1.abs()) <= COINCIDENT {
@@ -77,6 +76,10 @@ fn straight_straight(a: &GreatArc, b: &GreatArc, found: &mut impl FnMut(f64, f64
 
 /// `found(parameter on the edge, parameter on the rim)`.
 fn straight_round(edge: &GreatArc, rim: &Rim, from: f64, to: f64, mut found: impl FnMut(f64, f64)) {
+    // The margin bounds the distance to the rim from below: most edges of a long outline end here.
+    if rim.margin(edge.ends[0]).abs() > edge.length + OVERHANG {
+        return;
+    }
     let level = edge.normal.dot(rim.center);
     let (nu, nv) = (edge.normal.dot(rim.u), edge.normal.dot(rim.v));
     let swing = rim.radius * nu.hypot(nv);
@@ -85,7 +88,7 @@ fn straight_round(edge: &GreatArc, rim: &Rim, from: f64, to: f64, mut found: imp
     }
     let root = ((swing - level) * (swing + level)).sqrt();
     let half = root.atan2(-level);
-    if half < CONTACT || half > std::f64::consts::PI - CONTACT {
+    if !(CONTACT..=std::f64::consts::PI - CONTACT).contains(&half) {
         return;
     }
     let middle = nv.atan2(nu);
@@ -141,11 +144,9 @@ impl Mantle {
         let (mut t, (mut value, mut slope)) = (t, self.outside(t));
         for _ in 0..3 {
             let next = t - value / slope;
-            if !((next - t).abs() < 1e-4) {
-                break;
-            }
             let (closer, steeper) = self.outside(next);
-            if closer.abs() >= value.abs() {
+            let is_better = (next - t).abs() < 1e-4 && closer.abs() < value.abs();
+            if !is_better {
                 break;
             }
             (t, value, slope) = (next, closer, steeper);

@@ -7,8 +7,10 @@ use super::rim::Term;
 /// Directions `start cos θ + along sin θ`, 0 ≤ θ ≤ `length` < π; what it bounds lies on the side of `normal`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct GreatArc {
-    pub start: DVec3,
-    pub along: DVec3,
+    start: DVec3,
+    along: DVec3,
+    /// Unit directions of the two ends, the same bits for all arcs that share the corner: signs taken of them agree.
+    pub ends: [DVec3; 2],
     /// Unit, along `r × dr`.
     pub normal: DVec3,
     /// Radians.
@@ -37,7 +39,8 @@ impl GreatArc {
         let start = (p - normal * p.dot(normal)).normalize();
         let along = normal.cross(start);
         let length = q.dot(along).atan2(q.dot(start));
-        (length > 0.0).then_some(GreatArc { start, along, normal, length, condition })
+        let ends = [p.normalize(), q.normalize()];
+        (length > 0.0).then_some(GreatArc { start, along, ends, normal, length, condition })
     }
 
     /// Unit direction.
@@ -45,12 +48,18 @@ impl GreatArc {
         let (sin, cos) = angle.sin_cos();
         self.start * cos + self.along * sin
     }
-    pub fn end(&self) -> DVec3 {
-        self.point(self.length)
-    }
     /// In (−π, π].
     pub fn parameter(&self, direction: DVec3) -> f64 {
         direction.dot(self.along).atan2(direction.dot(self.start))
+    }
+
+    /// Angle from a unit direction to the nearest point of the arc (a lower bound, tight where it is small).
+    pub fn distance(&self, d: DVec3) -> f64 {
+        if (0.0..=self.length).contains(&self.parameter(d)) {
+            self.normal.dot(d).abs()
+        } else {
+            d.distance(self.ends[0]).min(d.distance(self.ends[1]))
+        }
     }
 
     /// ∫ n·(r × dr)/|r|² from one angle to another: `n · normal` times the angle (Lambert, 1760).
@@ -58,6 +67,6 @@ impl GreatArc {
         let angle = to - from;
         // The plane's normal turns about the edge's own direction: for a short edge it may turn far, and moves little.
         let tilt = angle.min(1.0) * self.condition;
-        Term { value: n.dot(self.normal) * angle, weight: angle + tilt }
+        Term { value: n.dot(self.normal) * angle, weight: 0.25 * (from.abs() + to.abs()) + angle + tilt }
     }
 }

@@ -14,6 +14,7 @@ mod outline;
 mod penumbra;
 mod piece;
 mod point_factor;
+mod quadrature;
 mod rim;
 mod trigonometric;
 mod truth;

@@ -228,7 +228,7 @@ mod tests {
         // Every other face is wound the other way: occluders block from both sides.
         let face = |i: u32| {
             let (a, b) = (i + 1, (i + 1) % n + 1);
-            if i % 2 == 0 { [0, a, b] } else { [0, b, a] }
+            if i.is_multiple_of(2) { [0, a, b] } else { [0, b, a] }
         };
         Mesh::new(vertices, (0..n).map(face).collect()).unwrap()
     }

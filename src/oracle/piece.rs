@@ -7,6 +7,7 @@ use glam::DVec3;
 use super::body::{Body, Figure, Flat};
 use super::great_arc::GreatArc;
 use super::rim::{Rim, RimCut, Term};
+use crate::geometry::Frame;
 
 /// A part of the boundary of a set of directions; the set lies to its left (`r × dr`).
 #[derive(Clone, Copy, Debug)]
@@ -62,8 +63,9 @@ enum Inside {
     Cap { silhouette: Rim, cut: DVec3, section: Rim },
     /// Left of all edges.
     Convex,
-    /// Even-odd among the edges, in coordinates of the plane.
-    EvenOdd { axis: DVec3, u: DVec3, v: DVec3 },
+    /// Even-odd among the edges (as [from, to] in the plane one unit away): corners are computed once, so that the edges
+    /// which share one agree on which side of it a direction passes.
+    EvenOdd { axis: DVec3, u: DVec3, v: DVec3, edges: Vec<[[f64; 2]; 2]> },
 }
 
 /// A half-space `normal · r + k ≥ 0`.
@@ -82,7 +84,12 @@ impl Piece {
             Inside::Round { rim, cut: Some(plane) } => rim.margin(d).min(plane.dot(d)),
             Inside::Cap { silhouette, cut, section } => silhouette.margin(d).min(cut.dot(d)).max(section.margin(d)),
             Inside::Convex => self.arcs().map(|arc| arc.normal.dot(d)).fold(f64::INFINITY, f64::min),
-            Inside::EvenOdd { axis, u, v } => self.even_odd(d, *axis, *u, *v),
+            Inside::EvenOdd { axis, u, v, edges } => {
+                let nearest = self.arcs().map(|arc| arc.distance(d)).fold(f64::INFINITY, f64::min);
+                let depth = d.dot(*axis);
+                let ahead = depth > 0.0;
+                if ahead && is_inside(edges, [d.dot(*u) / depth, d.dot(*v) / depth]) { nearest } else { -nearest }
+            }
         }
     }
 
@@ -91,33 +98,6 @@ impl Piece {
             Curve::Straight(arc) => Some(arc),
             Curve::Round { .. } => None,
         })
-    }
-
-    fn even_odd(&self, d: DVec3, axis: DVec3, u: DVec3, v: DVec3) -> f64 {
-        let flat = |p: DVec3| {
-            let depth = p.dot(axis);
-            [p.dot(u) / depth, p.dot(v) / depth]
-        };
-        let (mut inside, mut nearest) = (false, f64::INFINITY);
-        let ahead = d.dot(axis) > 0.0;
-        let [x, y] = flat(d);
-        for arc in self.arcs() {
-            let end = arc.end();
-            let t = arc.parameter(d);
-            let distance = if (0.0..=arc.length).contains(&t) {
-                arc.normal.dot(d).abs()
-            } else {
-                (d - arc.start).length().min((d - end).length())
-            };
-            nearest = nearest.min(distance);
-            if ahead {
-                let ([xa, ya], [xb, yb]) = (flat(arc.start), flat(end));
-                if (ya > y) != (yb > y) && x < xa + (y - ya) * ((xb - xa) / (yb - ya)) {
-                    inside = !inside;
-                }
-            }
-        }
-        if inside { nearest } else { -nearest }
     }
 
     /// What can be seen of a blocking body before a plane that does not pass through the eye. `None` where nothing is
@@ -144,6 +124,12 @@ impl Piece {
             Figure::Flat(shape) => flat(shape, eye, above),
         }
     }
+}
+
+fn is_inside(edges: &[[[f64; 2]; 2]], [x, y]: [f64; 2]) -> bool {
+    edges.iter().fold(false, |inside, [[xa, ya], [xb, yb]]| {
+        inside ^ ((*ya > y) != (*yb > y) && x < xa + (y - ya) * ((xb - xa) / (yb - ya)))
+    })
 }
 
 fn full(rim: Rim) -> Piece {
@@ -227,6 +213,9 @@ fn flat(shape: &Flat, eye: DVec3, keep: Option<HalfSpace>) -> Option<Piece> {
         return None;
     }
     let heights = heights.filter(|heights| heights.iter().any(|h| *h < 0.0));
+    let frame = Frame::around(axis);
+    let in_plane = |p: DVec3| [p.dot(frame.tangent) / p.dot(axis), p.dot(frame.bitangent) / p.dot(axis)];
+    let mut outline = Vec::new();
     let mut crossings = Vec::new();
     for edge in &shape.edges {
         let [i, j] = ordered(edge);
@@ -248,6 +237,9 @@ fn flat(shape: &Flat, eye: DVec3, keep: Option<HalfSpace>) -> Option<Piece> {
             }
         }
         curves.extend(GreatArc::of_edge(p, q, line).map(Curve::Straight));
+        if !shape.convex {
+            outline.push([in_plane(p), in_plane(q)]);
+        }
     }
     if let (Some(keep), false) = (keep, crossings.is_empty()) {
         let plane = cut_normal(keep, axis, axis.dot(points[0]));
@@ -255,13 +247,15 @@ fn flat(shape: &Flat, eye: DVec3, keep: Option<HalfSpace>) -> Option<Piece> {
         crossings.sort_by(|a, b| a.dot(direction).total_cmp(&b.dot(direction)));
         for pair in crossings.chunks_exact(2) {
             curves.extend(GreatArc::on_circle(pair[0], pair[1], plane, 1.0).map(Curve::Straight));
+            if !shape.convex {
+                outline.push([in_plane(pair[0]), in_plane(pair[1])]);
+            }
         }
     }
     let inside = if shape.convex {
         Inside::Convex
     } else {
-        let frame = crate::geometry::Frame::around(axis);
-        Inside::EvenOdd { axis, u: frame.tangent, v: frame.bitangent }
+        Inside::EvenOdd { axis, u: frame.tangent, v: frame.bitangent, edges: outline }
     };
     (!curves.is_empty()).then_some(Piece { curves, inside, is_cut: heights.is_some() })
 }

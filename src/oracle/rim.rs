@@ -89,13 +89,6 @@ impl Rim {
         self.center + (self.u * cos + self.v * sin) * self.radius
     }
 
-    /// Unit vector from the rim's point at `t` towards the disk, perpendicular to `r`.
-    pub fn inward(&self, t: f64) -> DVec3 {
-        let (sin, cos) = t.sin_cos();
-        let point = self.center + (self.u * cos + self.v * sin) * self.radius;
-        point.cross(self.v * cos - self.u * sin).normalize()
-    }
-
     /// The parameter, in [0, 2π), of the rim's point in a direction that meets it.
     pub fn parameter(&self, direction: DVec3) -> f64 {
         let hit = direction * (self.height / direction.dot(self.axis));
@@ -172,7 +165,10 @@ impl Rim {
         let sizes = f0.abs() * (turn + 2.0 * (b * delta).abs()) / d
             + f1.abs() * (b * turn + 2.0 * delta.abs()) / d
             + (f2 * i2).abs();
-        Term { value: f0 * i0 + f1 * i1 + f2 * i2, weight: sizes * (far / near) }
+        // The ends are known to the rounding of an angle, whatever the length between them.
+        let stop = cw * cw + (cu + a * cos1) * (cu + a * cos1) + (a * sin1) * (a * sin1);
+        let ends = (f0.abs() + f1.abs() + f2.abs()) * (t0.abs() / start + t1.abs() / stop);
+        Term { value: f0 * i0 + f1 * i1 + f2 * i2, weight: sizes * (far / near) + 0.25 * ends }
     }
 }
 
@@ -233,9 +229,10 @@ mod tests {
         for t in [0.1, 1.0, 3.0, 6.0] {
             approx::assert_abs_diff_eq!(rim.parameter(rim.point(t) * 3.0), t, epsilon = 1e-14);
             approx::assert_abs_diff_eq!(rim.margin(rim.point(t).normalize()), 0.0, epsilon = 1e-15);
-            let inside = (rim.point(t).normalize() + rim.inward(t) * 1e-3).normalize();
+            let (edge, middle) = (rim.point(t).normalize(), rim.center.normalize());
+            let inside = (edge + (middle - edge) * 1e-3).normalize();
             let margin = rim.margin(inside);
-            assert!(margin > 0.0 && margin <= 1.001e-3, "{margin}");
+            assert!(margin > 0.0 && margin <= edge.angle_between(inside), "{margin}");
         }
     }
 }

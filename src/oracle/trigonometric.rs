@@ -1,6 +1,6 @@
 //! Real roots of a trigonometric polynomial of degree two: where two cones over circles meet.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 /// `a0 + a1 cos t + b1 sin t + a2 cos 2t + b2 sin 2t`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,7 +52,8 @@ impl Trigonometric {
 
     /// f, f′, f″ at t.
     fn jet(&self, t: f64) -> [f64; 3] {
-        let (s, c) = t.sin_cos();
+        // The end of the turn is its beginning, to the last bit: a root there lies in one cell, not in none.
+        let (s, c) = if t == TAU { (0.0, 1.0) } else { t.sin_cos() };
         let (s2, c2) = (2.0 * s * c, (c - s) * (c + s));
         let (first, first_slope) = (self.a1 * c + self.b1 * s, self.b1 * c - self.a1 * s);
         let (second, second_slope) = (self.a2 * c2 + self.b2 * s2, self.b2 * c2 - self.a2 * s2);
@@ -71,20 +72,23 @@ impl Trigonometric {
         }
         let curvature = first + 4.0 * second;
         let jerk = first + 8.0 * second;
+        let noise = 8.0 * f64::EPSILON * (self.a0.abs() + first + second);
+        // Neighbouring cells share their ends to the last bit, and so the sign of f there.
         let mut stack = [(0.0, 0.0); 64];
         let mut depth = FIRST_CELLS;
         for (i, cell) in stack.iter_mut().enumerate().take(FIRST_CELLS) {
-            *cell = (TAU * (i as f64 + 0.5) / FIRST_CELLS as f64, PI / FIRST_CELLS as f64);
+            let end = |i: usize| TAU * (i as f64 / FIRST_CELLS as f64);
+            *cell = (end(i), end(i + 1));
         }
         while depth > 0 {
             depth -= 1;
-            let (middle, half) = stack[depth];
+            let (low, high) = stack[depth];
+            let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
             let [f, slope, bend] = self.jet(middle);
             let rest = jerk * half * half * half / 6.0;
-            if f.abs() > slope.abs() * half + (0.5 * bend.abs() * half * half + rest) {
+            if f.abs() > slope.abs() * half + 0.5 * bend.abs() * half * half + rest + noise {
                 continue;
             }
-            let (low, high) = (middle - half, middle + half);
             if slope.abs() > (bend.abs() * half + 0.5 * jerk * half * half).min(curvature * half) {
                 self.monotone(low, high, &mut roots);
             } else if bend.abs() > jerk * half {
@@ -100,8 +104,8 @@ impl Trigonometric {
                     roots.push(middle);
                 }
             } else {
-                stack[depth] = (middle - 0.5 * half, 0.5 * half);
-                stack[depth + 1] = (middle + 0.5 * half, 0.5 * half);
+                stack[depth] = (low, middle);
+                stack[depth + 1] = (middle, high);
                 depth += 2;
             }
         }
@@ -185,6 +189,17 @@ mod tests {
             assert_eq!(found.len(), 4, "{roots:?} gave {found:?}");
             for (a, b) in found.iter().zip(roots) {
                 assert!((a - b).abs() < 2e-8, "{roots:?} gave {found:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn roots_at_the_ends_of_cells_are_found_once() {
+        for k in 0..16 {
+            let end = TAU * f64::from(k) / 16.0;
+            for nudge in [-2e-16, -1e-16, 0.0, 1e-16, 2e-16] {
+                let found = with_roots([end + nudge, end + 0.3, end + 1.0, end + 2.5]).roots();
+                assert_eq!(found.as_slice().len(), 4, "{k}: {found:?}");
             }
         }
     }

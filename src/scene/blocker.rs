@@ -122,21 +122,21 @@ impl Blocker {
             }
             Blocker::Ball { center, radius_squared } => {
                 let offset = from - *center;
-                for g in 0..groups(len) {
-                    for l in 0..LANES {
+                for (g, group) in contributions[..groups(len)].iter_mut().enumerate() {
+                    for (l, contribution) in group.iter_mut().enumerate() {
                         let d = rays.ray(g, l);
                         let nearest = (-offset.dot(d) / d.length_squared()).clamp(0.0, 1.0);
                         let blocked = (offset + d * nearest).length_squared() < *radius_squared;
-                        contributions[g][l] = if blocked { 0.0 } else { contributions[g][l] };
+                        *contribution = if blocked { 0.0 } else { *contribution };
                     }
                 }
             }
             Blocker::Mesh(hierarchy) => {
-                for g in 0..groups(len) {
-                    for l in 0..LANES {
+                for (g, group) in contributions[..groups(len)].iter_mut().enumerate() {
+                    for (l, contribution) in group.iter_mut().enumerate() {
                         // A ray that carries nothing (padding, too) need not be traced.
-                        if contributions[g][l] != 0.0 && hierarchy.blocks(from, from + rays.ray(g, l)) {
-                            contributions[g][l] = 0.0;
+                        if *contribution != 0.0 && hierarchy.blocks(from, from + rays.ray(g, l)) {
+                            *contribution = 0.0;
                         }
                     }
                 }
@@ -158,13 +158,13 @@ fn shade_flat(
     inside: impl Fn(DVec3, f64) -> bool,
 ) {
     let height = offset.dot(normal);
-    for g in 0..groups(len) {
-        for l in 0..LANES {
+    for (g, group) in contributions[..groups(len)].iter_mut().enumerate() {
+        for (l, contribution) in group.iter_mut().enumerate() {
             let d = rays.ray(g, l);
             let drop = -d.dot(normal);
             let crosses = height * (height - drop) < 0.0;
             let blocked = crosses & inside(offset * drop + d * height, drop);
-            contributions[g][l] = if blocked { 0.0 } else { contributions[g][l] };
+            *contribution = if blocked { 0.0 } else { *contribution };
         }
     }
 }

@@ -56,9 +56,9 @@ pub(super) fn bias(
         "the plan's power counts on this many"
     );
     let evidence = log10_capped(ln_average(components.iter().map(|(ln, ..)| *ln)));
-    let biases = || plans.iter().map(|plan| plan.smallest_biases(prepared, study));
-    let worst = |pick: fn((Option<f64>, Option<f64>)) -> Option<f64>| biases().filter_map(pick).reduce(f64::max);
-    let (mean, point) = (worst(|b| b.0), worst(|b| b.1));
+    let biases: Vec<_> = plans.iter().map(|plan| plan.smallest_biases(prepared, study)).collect();
+    let mean = biases.iter().filter_map(|biases| biases.mean).reduce(f64::max);
+    let point = biases.iter().filter_map(|biases| biases.point).reduce(f64::max);
     let seen = |found: Option<f64>, asked: f64| found.is_none_or(|found| found <= asked * (1.0 + 1e-9));
     let verdict = if evidence >= THRESHOLD_LOG10 {
         Verdict::Fail
@@ -93,7 +93,7 @@ pub(super) fn bias(
     }
 }
 
-fn sums<'a>(cell: &'a CellSums, subject: Subject) -> &'a PowerSums {
+fn sums(cell: &CellSums, subject: Subject) -> &PowerSums {
     match subject {
         Subject::Point(p) => &cell.points[p],
         Subject::Contrast(k) => &cell.contrasts[k],

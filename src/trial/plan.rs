@@ -31,6 +31,15 @@ pub(super) struct CellPlan {
     pub contrast_variances: Vec<f64>,
 }
 
+/// Relative biases that would have been caught with 99 % probability.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SmallestBiases {
+    /// Of the mean over the points; `None` where no light is due.
+    pub mean: Option<f64>,
+    /// At the worst of the well-lit points; `None` where there is none.
+    pub point: Option<f64>,
+}
+
 /// Pilot replicates of a cell with N samples.
 pub(super) fn pilot_replicates(samples: u64) -> u64 {
     (8192 / samples).max(128)
@@ -99,15 +108,15 @@ impl CellPlan {
     }
 
     /// The relative biases that would have been caught with 99 % probability, of the mean over the points and at the
-    /// worst of the well-lit points. `None` where no light is due.
-    pub fn smallest_biases(&self, prepared: &Prepared, study: &Study) -> (Option<f64>, Option<f64>) {
+    /// worst of the well-lit points.
+    pub fn smallest_biases(&self, prepared: &Prepared, study: &Study) -> SmallestBiases {
         let m = components(prepared, study);
         let mean = mean_of(prepared, study)
             .map(|(value, margin)| (smallest_shift(self.contrast_variances[0], self.replicates, m) + margin) / value);
         let point = well_lit(prepared, study)
             .map(|(p, value, margin)| (smallest_shift(self.point_variances[p], self.replicates, m) + margin) / value)
             .reduce(f64::max);
-        (mean, point)
+        SmallestBiases { mean, point }
     }
 }
 

@@ -74,9 +74,6 @@ fn rows(table: &str) -> Vec<Row> {
         .collect()
 }
 
-/// Built to be nasty: equal circles a gap of 2⁻³⁰ apart; an occluder 10⁶ times the source. Looser, and within their own bound.
-const NASTY: f64 = 1e-9;
-
 /// Every row of a table: within its own bound, and within what is promised of its kind.
 ///
 /// - `relative`: of unoccluded sources wholly above the horizon
@@ -130,8 +127,6 @@ fn check(table: &str, relative: f64) {
     );
     assert!(faults.is_empty(), "{} of {} rows:\n{}", faults.len(), rows.len(), faults.join("\n"));
 }
-
-const _: f64 = NASTY;
 
 macro_rules! tables {
     ($($name:ident: $relative:expr;)*) => {

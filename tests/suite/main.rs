@@ -8,5 +8,6 @@ mod convergence;
 mod determinism;
 mod estimator_laws;
 mod exact;
+mod laws;
 mod shipped_cases;
 mod walls;

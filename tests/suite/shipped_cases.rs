@@ -226,16 +226,16 @@ fn the_mesh_is_the_disk_of_the_eclipse() {
     let fourth: Vec<_> = disk.configuration.points().iter().copied().step_by(4).collect();
     assert_eq!(mesh.configuration.points(), fourth);
     assert_eq!(mesh.configuration.sources(), disk.configuration.sources());
-    let (Shape::Mesh(fan), Shape::Disk(round)) =
+    let (Shape::Mesh(rings), Shape::Disk(round)) =
         (&mesh.configuration.occluders()[0], &disk.configuration.occluders()[0])
     else {
         panic!("a mesh and a disk")
     };
-    assert_eq!(fan.triangles().len(), 100_352);
-    let inscribed = 196.0 * (std::f64::consts::TAU / 392.0).sin() * round.radius() * round.radius();
-    // A sum of 100,352 terms may be off by as many roundings.
-    approx::assert_relative_eq!(fan.area(), inscribed, max_relative = 1e5 * f64::EPSILON);
-    for (at, vertex) in fan.vertices().iter().enumerate() {
+    assert_eq!(rings.triangles().len(), 110_976);
+    let inscribed = 51.0 * (std::f64::consts::TAU / 102.0).sin() * round.radius() * round.radius();
+    // A sum of 110,976 terms may be off by as many roundings.
+    approx::assert_relative_eq!(rings.area(), inscribed, max_relative = 1e5 * f64::EPSILON);
+    for (at, vertex) in rings.vertices().iter().enumerate() {
         let reach = (*vertex - round.center()).length();
         assert!(vertex.z == 1.0 && reach <= round.radius() * (1.0 + 1e-15), "vertex {at} lies {reach} m out");
     }
