@@ -3,4 +3,6 @@
 mod case_files;
 mod certified;
 mod exact;
+#[cfg(all(feature = "cli", feature = "plots"))]
+mod reference;
 mod shipped_cases;
