@@ -3,6 +3,7 @@
 mod case_files;
 mod certified;
 mod exact;
+mod papers;
 #[cfg(all(feature = "cli", feature = "plots"))]
 mod reference;
 mod shipped_cases;
