@@ -1,7 +1,83 @@
 //! **etendue**: a radiometry verification harness.
 //!
-//! It holds exact, closed-form irradiance for area sources behind occluders, measures how far Monte Carlo estimators
-//! are from it and how noisy they are, and says so in verdicts whose error rates are known.
+//! It holds exact irradiance for area sources behind occluders, measures how far Monte Carlo estimators are from it and
+//! how noisy they are, and says so in verdicts whose error rates are known.
+//!
+//! The quantity, at a point x with unit normal, for Lambertian sources S of exitance M (W/m²):
+//!
+//! ```text
+//! E(x) = Σ_S ∫_S M Vis(x, u) cosθᵢ cosθₛ / (π r²) dA        W/m², r = |u − x|
+//! ```
+//!
+//! A room described in code, its exact irradiance, and a verdict on the estimators:
+//!
+//! ```
+//! use etendue::configuration::{Arrangement, MeasurementPoint, Source};
+//! use etendue::geometry::{DVec3, Disk, Shape};
+//! use etendue::oracle::Region;
+//! use etendue::radiometry::Exitance;
+//! use etendue::trial::{self, Effort, Overrides, Settings};
+//! use etendue::{Case, Configuration, Oracle, Verdict};
+//!
+//! // An eclipse: a disk source that faces down from 2 m, a smaller disk half way.
+//! let disk = |height: f64, radius: f64| Disk::new(DVec3::Z * height, -DVec3::Z, radius).map(Shape::Disk);
+//! let source = Source::new(disk(2.0, 0.5)?, Exitance::new(1.0))?;
+//! let points = [0.0, 0.7, 1.4].map(|x| MeasurementPoint::new(DVec3::X * x, DVec3::Z).expect("finite, with a normal"));
+//! let configuration =
+//!     Configuration::new(vec![source], vec![disk(1.0, 0.35)?], None, points.to_vec(), Arrangement::Line)
+//!         .expect("nothing in this room contradicts itself");
+//!
+//! // The exact side: value, bound, and how much of the source each point sees.
+//! let oracle = Oracle::new(&configuration);
+//! let [umbra, penumbra, lit] = points.map(|point| oracle.at(&point));
+//! assert_eq!(umbra.region, Region::Umbra);
+//! assert_eq!(umbra.irradiance.watts_per_square_metre(), 0.0);
+//! assert_eq!(penumbra.region, Region::Penumbra);
+//! assert!(penumbra.bound.watts_per_square_metre() < 1e-12);
+//! assert_eq!(lit.region, Region::Lit);
+//!
+//! // The three strategies of the estimator, measured and judged.
+//! let case = Case {
+//!     name: "eclipse".to_owned(),
+//!     title: "An eclipse".to_owned(),
+//!     configuration,
+//!     study: Default::default(),
+//! };
+//! let settings = Settings { seed: 1, effort: Effort::Quick, overrides: Overrides::default() };
+//! let outcome = trial::run(&[case], &settings, &|_progress| ())?;
+//! for strategy in &outcome.cases[0].strategies {
+//!     assert_eq!(strategy.verdicts[0].verdict, Verdict::Pass, "{}", strategy.verdicts[0].words);
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Rooms, from the ground up
+//!
+//! | module | its duty |
+//! |---|---|
+//! | [`geometry`] | shapes and frames, no light in them yet |
+//! | [`statistics`] | moments, intervals, evidence, verdicts; knows nothing of light |
+//! | [`radiometry`] | quantities and the products that are laws between them |
+//! | [`configuration`] | what stands in the room, valid by construction |
+//! | [`oracle`] | **truth**: exact irradiance with a bound on its error |
+//! | [`sampling`], [`scene`], [`estimator`] | **measurement**: streams and strategies, what blocks a ray, the estimator |
+//! | [`case`] | case files; the shipped cases |
+//! | [`trial`] | a run: pilot, plan, measurement, judgement, where truth and measurement meet |
+//! | [`report`] | tables and plots of a run |
+//!
+//! Truth and measurement share shapes and configurations and nothing else.
+//!
+//! # Features
+//!
+//! `cli` (the program) and `plots` are on by default. A library user writes
+//! `etendue = { version = "0.1", default-features = false }` and has everything but those.
+//!
+//! # Limits
+//!
+//! Direct light of uniform Lambertian sources (disk, rectangle, polygon, sphere) on points of any pose, behind opaque
+//! occluders (the same shapes and meshes; the exact side slows down with the planes that a mesh's faces lie in, not with
+//! the faces). The variance that plans and judges is that of a pilot run of its own streams, taken on the high side, not
+//! yet a predicted one.
 #![forbid(unsafe_code)]
 
 pub mod case;
@@ -17,3 +93,16 @@ pub mod sampling;
 pub mod scene;
 pub mod statistics;
 pub mod trial;
+
+pub use case::Case;
+pub use configuration::Configuration;
+pub use estimator::AreaEstimator;
+pub use oracle::{Oracle, Truth};
+pub use sampling::Strategy;
+pub use statistics::Verdict;
+pub use trial::{RunOutcome, Settings};
+
+/// The README's code is tested as the documentation is.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

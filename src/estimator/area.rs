@@ -88,7 +88,7 @@ impl AreaEstimator {
 
     /// Estimates of the irradiance at each point, W/m², replicate by replicate.
     ///
-    /// - `estimates`: [point][replicate], as many as points × replicates
+    /// - `estimates`: `[point][replicate]`, as many as points × replicates
     pub fn estimate(&self, job: &Job, scratch: &mut Scratch, estimates: &mut [f64]) {
         // One source text, compiled for each instruction set and chosen at run time. Rust never fuses a multiplication
         // and an addition by itself, so the set changes the speed and no bit.

@@ -9,5 +9,8 @@ mod determinism;
 mod estimator_laws;
 mod exact;
 mod laws;
+mod papers;
+#[cfg(all(feature = "cli", feature = "plots"))]
+mod reference;
 mod shipped_cases;
 mod walls;

@@ -1,0 +1,79 @@
+//! The papers say what is so: their links lead somewhere, their case file is valid, their counts are right.
+
+use std::fs;
+use std::path::Path;
+
+use etendue::case::{Case, shipped};
+
+const PAPERS: [&str; 5] = ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md", "reports/README.md"];
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn paper(name: &str) -> String {
+    fs::read_to_string(root().join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+}
+
+/// The fenced blocks of one language.
+fn blocks<'a>(text: &'a str, language: &'a str) -> impl Iterator<Item = &'a str> {
+    let fence = format!("```{language}\n");
+    text.match_indices(&fence)
+        .map(|(at, fence)| &text[at + fence.len()..])
+        .map(|rest| rest.split_once("```").map_or(rest, |(block, _)| block))
+        .collect::<Vec<_>>()
+        .into_iter()
+}
+
+#[test]
+fn links_lead_somewhere() {
+    let mut followed = 0;
+    for name in PAPERS {
+        let text = paper(name);
+        let folder = root().join(name).parent().expect("a paper lies in a folder").to_owned();
+        for rest in text.split("](").skip(1) {
+            let (target, _) = rest.split_once(')').unwrap_or_else(|| panic!("{name}: a link is not closed: {rest}"));
+            if !target.starts_with("https://") {
+                assert!(folder.join(target).exists(), "{name} links to {target}, which does not exist");
+                followed += 1;
+            }
+        }
+    }
+    assert!(followed > 5, "{followed} links were followed");
+}
+
+#[test]
+fn the_case_in_the_readme_is_valid() {
+    let readme = paper("README.md");
+    let text = blocks(&readme, "toml").find(|block| block.contains("[measure]")).expect("the README shows a case");
+    let case = Case::from_toml("my-room", text).unwrap_or_else(|errors| panic!("{errors}"));
+    assert_eq!(case.configuration.points().len(), 33);
+}
+
+#[test]
+fn shipped_cases_are_counted_right() {
+    let count = shipped().count();
+    assert!(paper("README.md").contains(&format!("({count} rooms")), "there are {count} shipped cases");
+    assert!(paper("CHANGELOG.md").contains(&format!("{count} shipped cases")), "there are {count} shipped cases");
+}
+
+#[test]
+fn the_readme_gives_the_two_commands() {
+    let readme = paper("README.md");
+    let (_, rest) = readme.split_once("<!-- the two commands").expect("the mark that .ci/run looks for");
+    assert_eq!(blocks(rest, "sh").next(), Some("cargo run --release\ncargo test\n"));
+}
+
+#[test]
+fn the_architecture_names_every_room() {
+    let text = paper("ARCHITECTURE.md");
+    for entry in fs::read_dir(root().join("src")).expect("there is a source") {
+        let entry = entry.expect("it can be listed");
+        if entry.path().is_dir() {
+            let room = format!("`{}/`", entry.file_name().to_string_lossy());
+            assert!(text.contains(&room), "ARCHITECTURE.md does not name {room}");
+        }
+    }
+    let words = text.split_whitespace().count();
+    assert!(words < 1300, "under two pages; {words} words");
+}
