@@ -10,7 +10,7 @@ use etendue::geometry::{DVec3, Disk, Rectangle, Shape, Sphere};
 use etendue::radiometry::Exitance;
 use etendue::sampling::{Strategy, StreamKey};
 
-const ROUNDS: usize = 5;
+const ROUNDS: usize = 3;
 const SAMPLES_A_ROUND: u64 = 8_000_000;
 
 fn main() {

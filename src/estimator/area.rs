@@ -263,6 +263,10 @@ impl Shading {
 
 impl Emitter {
     /// Sets the contributions of one block of source points to cosθᵢ cosθₛ / r² · Vis.
+    #[expect(
+        clippy::needless_range_loop,
+        reason = "one index over several rows is what the compiler makes vectors of"
+    )]
     #[inline(always)]
     fn illuminate(&self, point: &MeasurementPoint, places: &SurfaceBlock, len: usize, shading: &mut Shading) {
         let offset = self.surface.origin() - point.position();
@@ -278,24 +282,24 @@ impl Emitter {
         if let Some(source_normal) = self.surface.flat_normal() {
             // r cosθₛ is the height of the point over the source's plane, the same for the whole source.
             let height = (-offset.dot(source_normal)).max(0.0);
-            for (g, group) in contributions[..groups(len)].iter_mut().enumerate() {
-                for (l, contribution) in group.iter_mut().enumerate() {
+            for g in 0..groups(len) {
+                for l in 0..LANES {
                     let d = rays.ray(g, l);
                     let r2 = d.length_squared();
-                    *contribution = normal.dot(d).max(0.0) * height / (r2 * r2);
+                    contributions[g][l] = normal.dot(d).max(0.0) * height / (r2 * r2);
                 }
             }
             if height == 0.0 {
                 return;
             }
         } else if let Some(radius) = self.surface.sphere_radius() {
-            for (g, group) in contributions[..groups(len)].iter_mut().enumerate() {
-                for (l, contribution) in group.iter_mut().enumerate() {
+            for g in 0..groups(len) {
+                for l in 0..LANES {
                     let d = rays.ray(g, l);
                     let r2 = d.length_squared();
                     // r cosθₛ with the sphere's normal at the point, its offset over the radius.
                     let height = -(places.x[g][l] * d.x + places.y[g][l] * d.y + places.z[g][l] * d.z) / radius;
-                    *contribution = normal.dot(d).max(0.0) * height.max(0.0) / (r2 * r2);
+                    contributions[g][l] = normal.dot(d).max(0.0) * height.max(0.0) / (r2 * r2);
                 }
             }
         }

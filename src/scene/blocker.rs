@@ -95,6 +95,10 @@ impl Blocker {
     /// Sets to zero the contributions of the rays that this blocks, among the first `len` (rounded up to whole lanes).
     ///
     /// - `from`: the shading point, metres
+    #[expect(
+        clippy::needless_range_loop,
+        reason = "one index over several rows is what the compiler makes vectors of"
+    )]
     #[inline(always)]
     pub fn shade(&self, from: DVec3, rays: &ShadowRays, len: usize, contributions: &mut Row) {
         match self {
@@ -122,21 +126,21 @@ impl Blocker {
             }
             Blocker::Ball { center, radius_squared } => {
                 let offset = from - *center;
-                for (g, group) in contributions[..groups(len)].iter_mut().enumerate() {
-                    for (l, contribution) in group.iter_mut().enumerate() {
+                for g in 0..groups(len) {
+                    for l in 0..LANES {
                         let d = rays.ray(g, l);
                         let nearest = (-offset.dot(d) / d.length_squared()).clamp(0.0, 1.0);
                         let blocked = (offset + d * nearest).length_squared() < *radius_squared;
-                        *contribution = if blocked { 0.0 } else { *contribution };
+                        contributions[g][l] = if blocked { 0.0 } else { contributions[g][l] };
                     }
                 }
             }
             Blocker::Mesh(hierarchy) => {
-                for (g, group) in contributions[..groups(len)].iter_mut().enumerate() {
-                    for (l, contribution) in group.iter_mut().enumerate() {
+                for g in 0..groups(len) {
+                    for l in 0..LANES {
                         // A ray that carries nothing (padding, too) need not be traced.
-                        if *contribution != 0.0 && hierarchy.blocks(from, from + rays.ray(g, l)) {
-                            *contribution = 0.0;
+                        if contributions[g][l] != 0.0 && hierarchy.blocks(from, from + rays.ray(g, l)) {
+                            contributions[g][l] = 0.0;
                         }
                     }
                 }
@@ -148,6 +152,7 @@ impl Blocker {
 /// Shades by a flat piece. The ray meets its plane at parameter h₀ / s, with h₀ the height of the shading point and s
 /// the drop along the ray; `inside` is asked about s times the meeting point (from the piece's origin) and s, so that
 /// no division is needed where a comparison will do.
+#[expect(clippy::needless_range_loop, reason = "one index over several rows is what the compiler makes vectors of")]
 #[inline(always)]
 fn shade_flat(
     offset: DVec3,
@@ -158,13 +163,13 @@ fn shade_flat(
     inside: impl Fn(DVec3, f64) -> bool,
 ) {
     let height = offset.dot(normal);
-    for (g, group) in contributions[..groups(len)].iter_mut().enumerate() {
-        for (l, contribution) in group.iter_mut().enumerate() {
+    for g in 0..groups(len) {
+        for l in 0..LANES {
             let d = rays.ray(g, l);
             let drop = -d.dot(normal);
             let crosses = height * (height - drop) < 0.0;
             let blocked = crosses & inside(offset * drop + d * height, drop);
-            *contribution = if blocked { 0.0 } else { *contribution };
+            contributions[g][l] = if blocked { 0.0 } else { contributions[g][l] };
         }
     }
 }

@@ -87,13 +87,6 @@ const ALLOWANCES: &[Allowance] = &[
     Allowance { case: "direct/disk-receiver", region: None, range: (-1.65, -1.45), reason: FOUR_ALIKE },
     Allowance { case: "direct/disk-receiver", region: Some(Region::Lit), range: (-1.65, -1.45), reason: FOUR_ALIKE },
     Allowance { case: "penumbra/spheres", region: Some(Region::Lit), range: (-1.6, -1.3), reason: FOUR_ALIKE },
-    Allowance {
-        case: "penumbra/three-regions",
-        region: None,
-        range: (-2.8, -2.65),
-        reason: "the shadow's edge halves the source: it cuts the one stratum of N = 1 and runs between the columns of \
-                 every even grid, which is then as smooth as if nothing were hidden",
-    },
 ];
 
 /// The map of a sphere has its pole in the middle of the square: four strata are quarters about it, each with the whole
