@@ -37,12 +37,7 @@
 //! assert_eq!(lit.region, Region::Lit);
 //!
 //! // The three strategies of the estimator, measured and judged.
-//! let case = Case {
-//!     name: "eclipse".to_owned(),
-//!     title: "An eclipse".to_owned(),
-//!     configuration,
-//!     study: Default::default(),
-//! };
+//! let case = Case::new("eclipse", "An eclipse", configuration, Default::default());
 //! let settings = Settings { seed: 1, effort: Effort::Quick, overrides: Overrides::default() };
 //! let outcome = trial::run(&[case], &settings, &|_progress| ())?;
 //! for strategy in &outcome.cases[0].strategies {

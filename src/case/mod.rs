@@ -63,6 +63,11 @@ pub struct Case {
 }
 
 impl Case {
+    /// A case described in code. Its name stands in for a selector in messages and commands.
+    pub fn new(name: &str, title: &str, configuration: Configuration, study: Study) -> Case {
+        Case { name: name.to_owned(), selector: name.to_owned(), title: title.to_owned(), configuration, study }
+    }
+
     /// A case from text alone; it cannot name a mesh.
     pub fn from_toml(name: &str, text: &str) -> Result<Case, CaseErrors> {
         let file = read::CaseFile { path: name, selector: name, name, folder: &folder::Folder::Nowhere, below: name };
