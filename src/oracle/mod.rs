@@ -9,6 +9,8 @@
 mod body;
 mod crossing;
 mod exact;
+mod form;
+mod front;
 mod great_arc;
 mod outline;
 mod penumbra;

@@ -123,7 +123,7 @@ impl<'a> Emitter<'a> {
         let blockers = occluders
             .iter()
             .map(|body| match &body.figure {
-                Figure::Disk { normal, radius } => {
+                Figure::Disk { normal, radius, .. } => {
                     Blocker::Disk { center: body.center - eye, normal: *normal, radius: *radius }
                 }
                 Figure::Ball { radius } => Blocker::Ball { center: body.center - eye, radius: *radius },
