@@ -27,6 +27,8 @@ pub struct Oracle {
     pub(super) scale: f64,
     pub(super) sources: Vec<Emitter>,
     pub(super) occluders: Vec<Body>,
+    /// Which occluder of the configuration each body is made from.
+    pub(super) occluder_of: Vec<usize>,
 }
 
 #[derive(Clone, Debug)]
@@ -117,11 +119,9 @@ impl Oracle {
             let exitance = source.exitance().watts_per_square_metre();
             bodies.into_iter().map(move |body| Emitter { body, exitance })
         };
-        Oracle {
-            scale,
-            sources: configuration.sources().iter().flat_map(emitter).collect(),
-            occluders: configuration.occluders().iter().flat_map(|shape| Body::of_shape(shape, scale)).collect(),
-        }
+        let of_occluder = |(i, shape)| Body::of_shape(shape, scale).into_iter().map(move |body| (body, i));
+        let (occluders, occluder_of) = configuration.occluders().iter().enumerate().flat_map(of_occluder).unzip();
+        Oracle { scale, sources: configuration.sources().iter().flat_map(emitter).collect(), occluders, occluder_of }
     }
 
     /// The exact irradiance at a point, with its bound.
@@ -189,7 +189,7 @@ impl Oracle {
         hasher.finish()
     }
 
-    fn body(&self, at: BodyAt) -> &Body {
+    pub(super) fn body(&self, at: BodyAt) -> &Body {
         match at {
             BodyAt::Source(i) => &self.sources[i].body,
             BodyAt::Occluder(i) => &self.occluders[i],

@@ -8,6 +8,9 @@
 
 mod body;
 mod crossing;
+mod derivative;
+#[cfg(test)]
+mod derivative_tests;
 mod exact;
 mod form;
 mod front;
@@ -21,5 +24,6 @@ mod rim;
 mod trigonometric;
 mod truth;
 
+pub use derivative::{Derivatives, Parameter, ParameterError, Parameters, Side};
 pub use exact::Oracle;
 pub use truth::{Method, Region, Truth};
