@@ -11,6 +11,7 @@ mod crossing;
 mod exact;
 mod great_arc;
 mod outline;
+pub mod patch;
 mod penumbra;
 mod piece;
 mod point_factor;
