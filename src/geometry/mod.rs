@@ -6,6 +6,7 @@ mod frame;
 mod mesh;
 mod polygon;
 mod shape;
+pub mod solid_angle;
 
 pub use frame::Frame;
 pub use mesh::Mesh;

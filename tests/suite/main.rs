@@ -2,6 +2,7 @@
 
 mod case_files;
 mod certified;
+mod closed_forms;
 #[cfg(feature = "cli")]
 mod command_line;
 mod convergence;

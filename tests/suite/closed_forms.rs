@@ -1,0 +1,110 @@
+//! Stand-alone closed forms against certified tables (`tests/data/reference`), row by row.
+
+use std::path::Path;
+
+use etendue::geometry::{DVec3, Disk, Rectangle, Sphere, solid_angle};
+use etendue::oracle::patch;
+
+/// A table: what each row is called, what it gives, and what it wants.
+pub struct Table {
+    name: &'static str,
+    header: csv::StringRecord,
+    rows: Vec<csv::StringRecord>,
+}
+
+impl Table {
+    pub fn read(name: &'static str) -> Table {
+        let path =
+            Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/reference").join(name).with_extension("csv");
+        let mut reader = csv::Reader::from_path(&path).unwrap();
+        let header = reader.headers().unwrap().clone();
+        Table { name, header, rows: reader.records().map(Result::unwrap).collect() }
+    }
+
+    pub fn rows(&self) -> impl Iterator<Item = Row<'_>> {
+        self.rows.iter().map(|record| Row { table: self, record })
+    }
+}
+
+pub struct Row<'a> {
+    table: &'a Table,
+    record: &'a csv::StringRecord,
+}
+
+impl<'a> Row<'a> {
+    pub fn text(&self, column: &str) -> &'a str {
+        let at = self.table.header.iter().position(|name| name == column);
+        &self.record[at.unwrap_or_else(|| panic!("{} has no column {column}", self.table.name))]
+    }
+    pub fn number(&self, column: &str) -> f64 {
+        self.text(column).parse().expect("a number")
+    }
+    pub fn numbers(&self, column: &str) -> Vec<f64> {
+        self.text(column).split_whitespace().map(|word| word.parse().expect("a number")).collect()
+    }
+}
+
+/// What was found and what the table says, with the row's name; the largest relative error is printed.
+pub fn agree(table: &str, relative: f64, values: impl IntoIterator<Item = (String, f64, f64)>) {
+    let (mut worst, mut faults, mut count) = ((0.0, String::new()), Vec::new(), 0);
+    for (name, found, wanted) in values {
+        count += 1;
+        let error = if wanted == 0.0 { found.abs() } else { ((found - wanted) / wanted).abs() };
+        if error.is_nan() || error > relative {
+            faults.push(format!("{name}: {found:e}, expected {wanted:e}, relative error {error:.1e}"));
+        }
+        if error > worst.0 {
+            worst = (error, name);
+        }
+    }
+    println!("{table}: {count} values; worst relative error {:.1e} ({})", worst.0, worst.1);
+    assert!(count >= 8, "{table}: only {count} values");
+    assert!(faults.is_empty(), "{} of {count} values:\n{}", faults.len(), faults.join("\n"));
+}
+
+#[test]
+fn patch_patch() {
+    let table = Table::read("patch_patch");
+    let values = table.rows().map(|row| {
+        let given = row.numbers("params");
+        let [a, b, c] = given[..] else { panic!("three lengths") };
+        let found = match row.text("kind") {
+            "coaxial_disks_h_r1_r2" => patch::disk_to_disk(b, c, a),
+            "parallel_rects_a_b_c" => patch::rectangle_to_opposite_rectangle(a, b, c),
+            "perp_rects_h_w_l" => patch::rectangle_to_adjoining_rectangle(b, a, c),
+            other => panic!("unknown pair {other}"),
+        };
+        (row.text("id").to_owned(), found.unwrap().ratio(), row.number("F12"))
+    });
+    agree("patch_patch", 1e-14, values);
+}
+
+#[test]
+fn solid_angles() {
+    let table = Table::read("solid_angle");
+    let values = table.rows().map(|row| {
+        let g = row.numbers("params");
+        let vector = |i: usize| DVec3::new(g[i], g[i + 1], g[i + 2]);
+        let eye = DVec3::ZERO;
+        let found = match row.text("kind") {
+            "disk" => {
+                let disk = Disk::new(DVec3::new(g[0], 0.0, g[1]), DVec3::Z, g[2]).unwrap();
+                solid_angle::disk(eye, &disk)
+            }
+            "rect_corner" => {
+                let center = DVec3::new(0.5 * g[0], 0.5 * g[1], g[2]);
+                let rectangle = Rectangle::new(center, DVec3::X * g[0], DVec3::Y * g[1]).unwrap();
+                let (placed, corner) =
+                    (solid_angle::rectangle(eye, &rectangle), solid_angle::rectangle_over_corner(g[0], g[1], g[2]));
+                let ratio = placed.as_ref().unwrap() / corner.unwrap();
+                assert!((ratio - 1.0).abs() < 1e-14, "{}: {ratio}", row.text("id"));
+                placed
+            }
+            "sphere" => solid_angle::sphere(eye, &Sphere::new(DVec3::X * g[0], g[1]).unwrap()),
+            "triangle" => solid_angle::triangle(eye, [vector(0), vector(3), vector(6)]),
+            other => panic!("unknown shape {other}"),
+        };
+        (row.text("id").to_owned(), found.unwrap(), row.number("omega"))
+    });
+    agree("solid_angle", 1e-14, values);
+}
