@@ -4,6 +4,9 @@ use std::path::Path;
 
 use etendue::geometry::{DVec3, Disk, Rectangle, Sphere, solid_angle};
 use etendue::oracle::patch;
+use etendue::radiometry::{
+    Albedo, Exitance, Fresnel, Intensity, enclosure, mean_reflectance_from_inside, mean_reflectance_from_outside,
+};
 
 /// A table: what each row is called, what it gives, and what it wants.
 pub struct Table {
@@ -107,4 +110,62 @@ fn solid_angles() {
         (row.text("id").to_owned(), found.unwrap(), row.number("omega"))
     });
     agree("solid_angle", 1e-14, values);
+}
+
+#[test]
+fn fresnel() {
+    let table = Table::read("fresnel");
+    let values = table.rows().flat_map(|row| {
+        let face = Fresnel::at(row.number("n_t_over_n_i"), row.number("cos_i")).unwrap();
+        let id = row.text("id");
+        [
+            (format!("{id} s"), face.reflectance_s, row.number("R_s")),
+            (format!("{id} p"), face.reflectance_p, row.number("R_p")),
+            (format!("{id} mean"), face.reflectance(), row.number("R_unpolarised")),
+            (format!("{id} through"), face.transmittance() + face.reflectance(), 1.0),
+        ]
+    });
+    agree("fresnel", 1e-14, values);
+}
+
+#[test]
+fn fresnel_diffuse_mean() {
+    let table = Table::read("fresnel_diffuse_mean");
+    let values = table.rows().flat_map(|row| {
+        let (n, id) = (row.number("n"), row.text("id"));
+        [
+            (format!("{id} outside"), mean_reflectance_from_outside(n).unwrap(), row.number("R_external")),
+            (format!("{id} inside"), mean_reflectance_from_inside(n).unwrap(), row.number("R_internal")),
+        ]
+    });
+    agree("fresnel_diffuse_mean", 1e-14, values);
+}
+
+#[test]
+fn sphere_interior() {
+    let table = Table::read("sphere_interior");
+    let values = table.rows().flat_map(|row| {
+        let (radius, albedo, light) = (row.number("R"), Albedo::new(row.number("rho")), row.number("E0_or_I"));
+        let (indirect, second) = match row.text("kind") {
+            "cap_emitter" => {
+                let height = row.number("cap_height");
+                let cap = enclosure::cap_that_emits_inside_sphere(radius, albedo, Exitance::new(light), height);
+                let cap = cap.unwrap();
+                (cap.reflected, cap.in_cap.watts_per_square_metre())
+            }
+            "point_light_offset" => {
+                let offset = row.number("offset");
+                let lit = enclosure::point_source_inside_sphere(Intensity::new(light), offset, radius, albedo);
+                let lit = lit.unwrap();
+                (lit.after_first_bounce, lit.mean_irradiance.watts_per_square_metre())
+            }
+            other => panic!("unknown light {other}"),
+        };
+        let id = row.text("id");
+        [
+            (format!("{id} indirect"), indirect.watts_per_square_metre(), row.number("B_indirect")),
+            (format!("{id} second"), second, row.number("B_in_cap_or_mean_irradiance")),
+        ]
+    });
+    agree("sphere_interior", 1e-14, values);
 }
