@@ -10,6 +10,7 @@ mod body;
 mod crossing;
 mod exact;
 mod great_arc;
+pub mod limits;
 mod outline;
 pub mod patch;
 mod penumbra;

@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use etendue::geometry::{DVec3, Disk, Rectangle, Sphere, solid_angle};
+use etendue::configuration::{Arrangement, Configuration, MeasurementPoint, Source};
+use etendue::geometry::{DVec3, Disk, Rectangle, Shape, Sphere, solid_angle};
+use etendue::oracle::limits::{LimitMethod, limits};
 use etendue::oracle::patch;
 use etendue::radiometry::{
     Albedo, Exitance, Fresnel, Intensity, enclosure, mean_reflectance_from_inside, mean_reflectance_from_outside,
@@ -168,4 +170,50 @@ fn sphere_interior() {
         ]
     });
     agree("sphere_interior", 1e-14, values);
+}
+
+/// Where the core and the penumbra of an eclipse end, along a line from the axis outwards and along a chord.
+#[test]
+fn eclipse_radii() {
+    let table = Table::read("eclipse_radii");
+    let values = table.rows().flat_map(|row| {
+        let [a, b, high, low] = ["a", "b", "H", "z"].map(|column| row.number(column));
+        let (core, penumbra) = (row.number("core_radius"), row.number("penumbra_radius"));
+        let disk = |z: f64, radius: f64| Shape::Disk(Disk::new(DVec3::Z * z, DVec3::NEG_Z, radius).unwrap());
+        let source = Source::new(disk(high, a), Exitance::new(1.0)).unwrap();
+        let id = row.text("id");
+        let along = |from: f64, aside: f64| {
+            let ends =
+                [from, 1.5 * penumbra].map(|x| MeasurementPoint::new(DVec3::new(x, aside, 0.0), DVec3::Z).unwrap());
+            let room =
+                Configuration::new(vec![source.clone()], vec![disk(low, b)], None, ends.to_vec(), Arrangement::Line);
+            limits(&room.unwrap()).unwrap()
+        };
+        let found = along(0.0, 0.0);
+        let names: Vec<&str> = found.iter().map(|limit| limit.name()).collect();
+        match row.text("core") {
+            "umbra" => assert_eq!(names, ["umbra_ends", "penumbra_ends"], "{id}"),
+            "antumbra" => assert_eq!(names, ["antumbra_ends", "penumbra_ends"], "{id}"),
+            "apex" => assert_eq!(names, ["penumbra_ends"], "{id}"),
+            other => panic!("unknown core {other}"),
+        }
+        assert!(found.iter().all(|limit| limit.method == LimitMethod::ClosedForm), "{id}");
+        for limit in &found {
+            assert!(limit.bound <= 1e-12 * (1.0 + penumbra), "{id}: {limit:?}");
+        }
+        // A chord at half the penumbra's radius meets it at √3/2 of it on either side.
+        let chord = along(-1.5 * penumbra, 0.5 * penumbra);
+        let [first, last] = [chord[0].position.x, chord[chord.len() - 1].position.x];
+        let half = 0.75_f64.sqrt() * penumbra;
+        let mut values = vec![
+            (format!("{id} penumbra"), found[found.len() - 1].distance, penumbra),
+            (format!("{id} chord begins"), first, -half),
+            (format!("{id} chord ends"), last, half),
+        ];
+        if core > 0.0 {
+            values.push((format!("{id} core"), found[0].distance, core));
+        }
+        values
+    });
+    agree("eclipse_radii", 1e-14, values);
 }
