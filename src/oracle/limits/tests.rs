@@ -111,6 +111,19 @@ fn an_annular_eclipse_has_an_antumbra() {
     }
 }
 
+/// A straight edge before a disk: where the edge's shadow touches the disk, at x = ∓a when it hangs half way.
+#[test]
+fn a_half_plane_has_its_limits_by_bisection() {
+    let plate = Rectangle::new(flat(-5.0, 0.0, 1.0), DVec3::X * 10.0, DVec3::Y * 20.0).unwrap();
+    let source = disk(0.0, 0.0, 2.0, 0.5);
+    let room = room(source, Shape::Rectangle(plate), flat(-0.9, 0.0, 0.0), flat(0.9, 0.0, 0.0), DVec3::Z).unwrap();
+    let found = limits(&room).unwrap();
+    assert_eq!(names(&found), ["umbra_ends", "penumbra_ends"]);
+    for (limit, x) in found.iter().zip([-0.5, 0.5]) {
+        assert!((limit.position.x - x).abs() <= limit.bound && limit.bound < 1e-12, "{limit:?}");
+    }
+}
+
 /// A point on a turning ball sees the source rise and set.
 #[test]
 fn on_a_ball_the_source_sets() {
