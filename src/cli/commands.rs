@@ -6,8 +6,8 @@ use super::exit;
 use super::options::{Check, Exact, List, Run};
 use super::progress::Bar;
 use crate::case::{self, Case, Ink, SelectError};
-use crate::oracle::Oracle;
-use crate::report::{self, ExactCase, ReportOptions, TableOptions};
+use crate::oracle::{self, Oracle};
+use crate::report::{self, ExactCase, LimitsCase, ReportOptions, TableOptions};
 use crate::sampling::Strategy;
 use crate::statistics::Verdict;
 use crate::trial;
@@ -137,6 +137,9 @@ pub fn exact(options: &Exact) -> u8 {
 
 fn exact_to_end(options: &Exact) -> Result<(), u8> {
     let cases = select(&options.cases)?;
+    if options.limits {
+        return limits(&cases);
+    }
     let truths: Vec<Vec<_>> = cases
         .iter()
         .map(|case| {
@@ -152,6 +155,25 @@ fn exact_to_end(options: &Exact) -> Result<(), u8> {
     });
     let mut text = Vec::new();
     report::write_exact(&mut text, rows).map_err(|error| fault(exit::OUTPUT, error))?;
+    write_out(&text)
+}
+
+/// Cases without a line are told of on stderr; if none is left, that is an error.
+fn limits(cases: &[Case]) -> Result<(), u8> {
+    let mut found = Vec::new();
+    for case in cases {
+        match oracle::limits::limits(&case.configuration) {
+            Ok(limits) => found.push((case, limits)),
+            Err(none) if cases.len() == 1 => return Err(fault(exit::USAGE, format!("{}: {none}", case.name))),
+            Err(none) => anstream::eprintln!("note: {}: {none}", case.name),
+        }
+    }
+    if found.is_empty() {
+        return Err(fault(exit::USAGE, "none of these cases has a measured line"));
+    }
+    let rows = found.iter().map(|(case, limits)| LimitsCase { name: &case.name, limits });
+    let mut text = Vec::new();
+    report::write_limits(&mut text, rows).map_err(|error| fault(exit::OUTPUT, error))?;
     write_out(&text)
 }
 

@@ -126,6 +126,9 @@ pub struct Exact {
     /// Case files, folders, or names of shipped cases; none: all shipped cases
     #[arg(value_name = "CASE")]
     pub cases: Vec<String>,
+    /// Where umbra and penumbra begin and end along each case's measured line, instead
+    #[arg(long)]
+    pub limits: bool,
 }
 
 fn strategy(name: &str) -> Result<Strategy, String> {

@@ -6,12 +6,13 @@ mod frame;
 mod mesh;
 mod polygon;
 mod shape;
+pub mod solid_angle;
 
 pub use frame::Frame;
 pub use mesh::Mesh;
 pub use polygon::Polygon;
 pub use shape::{Disk, Rectangle, Shape, ShapeError, Sphere, Triangle};
-pub(crate) use shape::{finite as finite_point, unit};
+pub(crate) use shape::{finite as finite_point, positive, unit};
 
 /// `glam`'s double-precision vector, re-exported so that users need not match its version.
 pub use glam::DVec3;

@@ -71,7 +71,8 @@ pub(crate) fn finite(field: &'static str, v: DVec3) -> Result<DVec3, ShapeError>
     }
 }
 
-fn positive(field: &'static str, length: f64) -> Result<f64, ShapeError> {
+/// A finite length greater than zero, or the error that names its field.
+pub(crate) fn positive(field: &'static str, length: f64) -> Result<f64, ShapeError> {
     if !length.is_finite() {
         Err(ShapeError::NotFinite { field, said: length })
     } else if length <= 0.0 {

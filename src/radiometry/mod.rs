@@ -1,5 +1,15 @@
-//! Radiometric quantities and the laws between them.
+//! Radiometric quantities, the laws between them, and the closed forms that need no scene.
 
+pub mod enclosure;
+mod error;
+mod fresnel;
+mod point_source;
 mod quantity;
 
-pub use quantity::{Albedo, Area, Exitance, Flux, FormFactor, Irradiance, Radiosity};
+pub use error::RadiometryError;
+pub use fresnel::{Fresnel, mean_reflectance_from_inside, mean_reflectance_from_outside};
+pub use point_source::PointSource;
+pub use quantity::{
+    Albedo, Area, Exitance, Flux, FormFactor, Intensity, Irradiance, ProjectedSolidAngle, Radiance, Radiosity,
+    SolidAngle,
+};

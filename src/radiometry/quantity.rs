@@ -9,6 +9,7 @@
 //! assert_eq!(power.watts(), 1.0);
 //! ```
 
+use std::f64::consts::PI;
 use std::iter::Sum;
 use std::ops::{Add, Mul};
 
@@ -68,12 +69,28 @@ quantity!(
     Radiosity, watts_per_square_metre
 );
 quantity!(
+    /// Power per area across the direction and per solid angle, W/(m² sr); kept along a ray in empty space.
+    Radiance, watts_per_square_metre_steradian
+);
+quantity!(
+    /// Power per solid angle, W/sr.
+    Intensity, watts_per_steradian
+);
+quantity!(
     /// Power, W.
     Flux, watts
 );
 quantity!(
     /// Square metres.
     Area, square_metres
+);
+quantity!(
+    /// How much of all directions something fills, sr, in [0, 4π].
+    SolidAngle, steradians
+);
+quantity!(
+    /// Solid angle weighed by the cosine to a surface's normal, sr, in [0, π].
+    ProjectedSolidAngle, steradians
 );
 quantity!(
     /// The irradiance at a point per exitance of a source: projected solid angle over π, in [0, 1].
@@ -89,6 +106,45 @@ law!(Exitance * Area = Flux);
 law!(Irradiance * Area = Flux);
 law!(Irradiance * Albedo = Radiosity);
 law!(Radiosity * Area = Flux);
+law!(Intensity * SolidAngle = Flux);
+law!(Radiance * ProjectedSolidAngle = Irradiance);
+
+macro_rules! spread {
+    ($($name:ident)*) => {
+        $(impl $name {
+            /// The mean over a surface of a power that leaves or reaches it.
+            ///
+            /// - `area`: > 0
+            pub fn mean_of(power: Flux, area: Area) -> Self {
+                Self(power.0 / area.0)
+            }
+        })*
+    };
+}
+spread!(Exitance Irradiance Radiosity);
+
+macro_rules! diffuse {
+    ($($name:ident)*) => {
+        $(impl $name {
+            /// Of a diffuse (Lambertian) surface: the same in all directions, L = M/π.
+            pub fn radiance(self) -> Radiance {
+                Radiance(self.0 / PI)
+            }
+            /// Of a diffuse (Lambertian) surface of that radiance: ∫ L cosθ dω = π L over the hemisphere.
+            pub fn of_radiance(radiance: Radiance) -> Self {
+                Self(radiance.0 * PI)
+            }
+        })*
+    };
+}
+diffuse!(Exitance Radiosity);
+
+impl From<FormFactor> for ProjectedSolidAngle {
+    /// A form factor from a point is a projected solid angle over that of the hemisphere, π.
+    fn from(form_factor: FormFactor) -> ProjectedSolidAngle {
+        ProjectedSolidAngle(form_factor.0 * PI)
+    }
+}
 
 impl Add<Exitance> for Radiosity {
     type Output = Radiosity;

@@ -2,7 +2,7 @@
 //!
 //! - [`claim`] finds an unwritable folder before the work starts;
 //! - [`write`](fn@write) fills it: CSV tables, `manifest.json`, and plots (feature `plots`);
-//! - [`table`] tells the verdicts on a terminal; [`write_exact`] prints exact values.
+//! - [`table`] tells the verdicts on a terminal; [`write_exact`] prints exact values, [`write_limits`] shadow limits.
 //!
 //! The meaning of every column is in `reports/README.md`, which [`column_reference`] writes. Everything but
 //! `timings.csv` is the same from run to run, byte for byte.
@@ -11,6 +11,7 @@ mod column;
 mod error;
 mod exact;
 mod folder;
+mod limits;
 mod manifest;
 #[cfg(feature = "plots")]
 mod plot;
@@ -29,6 +30,7 @@ use crate::trial::RunOutcome;
 pub use error::ReportError;
 pub use exact::{ExactCase, write_exact};
 pub use folder::claim;
+pub use limits::{LimitsCase, write_limits};
 pub use terminal::{TableOptions, table};
 
 /// How a report is written.
@@ -103,6 +105,7 @@ the tables.)*
         tables::verdicts().described(),
         tables::timings().described(),
         exact::exact().described(),
+        limits::limits().described(),
     ]
     .join("\n")
 }

@@ -4,7 +4,9 @@ use std::collections::BTreeMap;
 use std::fs;
 
 use super::*;
+use crate::geometry::DVec3;
 use crate::oracle::Region;
+use crate::oracle::limits::{Limit, LimitMethod, Phase};
 use crate::statistics::Verdict;
 
 const OPTIONS: ReportOptions = ReportOptions { generator: "8 lanes of xoshiro256++", plots: true };
@@ -31,7 +33,7 @@ fn rows(content: &[u8]) -> (Vec<String>, Vec<Vec<String>>) {
 }
 
 /// Columns as the contract lists them, and which of them may be empty.
-const CONTRACT: [(&str, &str, &str); 6] = [
+const CONTRACT: [(&str, &str, &str); 7] = [
     (
         "convergence.csv",
         "case, strategy, point, x_m, y_m, z_m, region, samples, replicates, exact_irradiance_W_m2, \
@@ -48,6 +50,7 @@ const CONTRACT: [(&str, &str, &str); 6] = [
         "smallest_bias_mean, smallest_bias_point",
     ),
     ("timings.csv", "case, strategy, stage, rays, seconds, per_ray_ns, efficiency", "strategy, efficiency"),
+    ("limits.csv", "case, limit, distance_m, x_m, y_m, z_m, region_before, region_after, bound_m, method", ""),
     (
         "exact.csv",
         "case, point, x_m, y_m, z_m, nx, ny, nz, region, form_factor, direct_W_m2, caustic_W_m2, indirect_W_m2, \
@@ -55,12 +58,37 @@ const CONTRACT: [(&str, &str, &str); 6] = [
         "radiosity_W_m2",
     ),
 ];
-const WORDS: [&str; 9] =
-    ["case", "strategy", "region", "quantity", "verdict", "property", "reproduce", "stage", "method"];
+const WORDS: [&str; 12] = [
+    "case",
+    "strategy",
+    "region",
+    "quantity",
+    "verdict",
+    "property",
+    "reproduce",
+    "stage",
+    "method",
+    "limit",
+    "region_before",
+    "region_after",
+];
 
-/// The tables of the made-up outcome, `exact` included.
+/// The tables of the made-up outcome, `limits` and `exact` included.
 fn tables_of(outcome: &RunOutcome) -> Vec<(&'static str, Vec<u8>)> {
     let mut files = csv_files(outcome).unwrap();
+    let mut limits = Vec::new();
+    let limit = Limit {
+        distance: 0.2,
+        position: DVec3::X * 0.2,
+        before: Phase::Umbra,
+        after: Phase::Penumbra,
+        bound: 1e-15,
+        method: LimitMethod::ClosedForm,
+    };
+    let cases =
+        outcome.cases.iter().map(|case| LimitsCase { name: &case.name, limits: std::slice::from_ref(&limit) });
+    write_limits(&mut limits, cases).unwrap();
+    files.push(("limits.csv", limits));
     let mut exact = Vec::new();
     let cases = outcome.cases.iter().enumerate().map(|(i, case)| ExactCase {
         name: &case.name,

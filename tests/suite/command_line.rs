@@ -289,6 +289,53 @@ fn exact_values_are_finite_and_bounded_for_every_case() {
     assert!(points.is_empty(), "{points:?}");
 }
 
+/// The eclipse's own comment in its case file: umbra to 0.2 m, penumbra to 1.2 m.
+#[test]
+fn limits_tell_where_umbra_and_penumbra_end() {
+    let said = etendue().args(["exact", "--limits", "penumbra/eclipse"]).assert().code(0).stderr(is_empty());
+    let mut reader = csv::Reader::from_reader(&said.get_output().stdout[..]);
+    let columns = "case,limit,distance_m,x_m,y_m,z_m,region_before,region_after,bound_m,method";
+    assert_eq!(reader.headers().unwrap().iter().collect::<Vec<_>>().join(","), columns);
+    let rows: Vec<BTreeMap<String, String>> = reader.deserialize().map(Result::unwrap).collect();
+    let expected = [("umbra_ends", 0.2, "umbra", "penumbra"), ("penumbra_ends", 1.2, "penumbra", "lit")];
+    assert_eq!(rows.len(), expected.len(), "{rows:?}");
+    for (row, (limit, distance, before, after)) in rows.iter().zip(expected) {
+        let number = |column: &str| row[column].parse::<f64>().unwrap();
+        assert_eq!((&*row["limit"], &*row["region_before"], &*row["region_after"]), (limit, before, after));
+        assert!((number("distance_m") - distance).abs() <= number("bound_m") && number("bound_m") < 1e-13, "{row:?}");
+        assert_eq!(number("x_m"), number("distance_m"));
+        assert_eq!(row["method"], "closed-form");
+    }
+}
+
+/// Every shipped case that has a line: limits in order along it, each within the line, regions that follow one another.
+#[test]
+fn limits_of_all_cases_follow_one_another() {
+    let said = etendue().args(["exact", "--limits"]).assert().code(0).stderr(contains("measure.line"));
+    let mut reader = csv::Reader::from_reader(&said.get_output().stdout[..]);
+    let rows: Vec<BTreeMap<String, String>> = reader.deserialize().map(Result::unwrap).collect();
+    assert!(rows.len() > 20, "{} rows", rows.len());
+    for pair in rows.windows(2).filter(|pair| pair[0]["case"] == pair[1]["case"]) {
+        let distance = |row: &BTreeMap<String, String>| row["distance_m"].parse::<f64>().unwrap();
+        assert!(distance(&pair[0]) < distance(&pair[1]), "{pair:?}");
+        assert_eq!(pair[0]["region_after"], pair[1]["region_before"], "{pair:?}");
+    }
+    for row in &rows {
+        assert!(row["bound_m"].parse::<f64>().unwrap() < 1e-6, "{row:?}");
+    }
+}
+
+#[test]
+fn limits_need_a_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let small = write(folder.path(), "small.toml", SMALL);
+    let needs = contains("measure.line");
+    etendue().args(["exact", "--limits", &small]).assert().code(2).stdout(is_empty()).stderr(needs.clone());
+    let said = etendue().args(["exact", "--limits", &small, "penumbra/eclipse"]).assert().code(0).stderr(needs);
+    let text = String::from_utf8(said.get_output().stdout.clone()).unwrap();
+    assert_eq!(text.lines().filter(|line| line.starts_with("penumbra/eclipse,")).count(), 2, "{text}");
+}
+
 #[test]
 fn a_reader_that_has_seen_enough_is_no_fault() {
     for words in [&["exact"][..], &["list"]] {

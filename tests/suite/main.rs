@@ -2,6 +2,7 @@
 
 mod case_files;
 mod certified;
+mod closed_forms;
 #[cfg(feature = "cli")]
 mod command_line;
 mod convergence;
@@ -10,6 +11,7 @@ mod estimator_laws;
 mod exact;
 mod laws;
 mod papers;
+mod radiometry;
 #[cfg(all(feature = "cli", feature = "plots"))]
 mod reference;
 mod shipped_cases;

@@ -1,0 +1,119 @@
+//! Where shadows begin and end along a measured line.
+//!
+//! In closed form for one source and one occluder in one of three poses (see [`LimitMethod::ClosedForm`]); by search
+//! everywhere else.
+//!
+//! Limits of the search: a stretch shorter than 1/1024 of the line that begins and ends between two scanned places may be
+//! missed. Antumbras are told for one source and one occluder only, and of pairs of round shapes only for parallel disks and
+//! for two spheres; elsewhere they count as the penumbra that they are part of.
+
+mod closed;
+mod path;
+mod ring;
+mod search;
+
+use std::fmt;
+
+use glam::DVec3;
+
+use super::truth::Region;
+use crate::configuration::Configuration;
+
+pub use path::{NoPath, Path};
+
+/// What a point sees of the sources: a [`Region`], with the core of an annular eclipse told apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    BelowHorizon,
+    Umbra,
+    /// Sees a closed ring of the source around the whole occluder; a part of the penumbra.
+    Antumbra,
+    Penumbra,
+    Lit,
+}
+
+impl Phase {
+    /// The region that it is a part of.
+    pub fn region(self) -> Region {
+        match self {
+            Phase::BelowHorizon => Region::BelowHorizon,
+            Phase::Umbra => Region::Umbra,
+            Phase::Antumbra | Phase::Penumbra => Region::Penumbra,
+            Phase::Lit => Region::Lit,
+        }
+    }
+}
+
+/// How a limit was found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LimitMethod {
+    /// From one source and one occluder, wholly before each other and above the horizon all along a straight line:
+    /// parallel disks and a line parallel to them; parallel rectangles with parallel edges and a line parallel to both;
+    /// two spheres and any line past them.
+    ClosedForm,
+    /// A scan of the line, then bisection on the exact side's own classification until no number lies between, or until
+    /// it cannot tell ([`Region::Edge`]).
+    Bisection,
+}
+
+impl LimitMethod {
+    /// The name that reports use.
+    pub fn name(self) -> &'static str {
+        match self {
+            LimitMethod::ClosedForm => "closed-form",
+            LimitMethod::Bisection => "bisection",
+        }
+    }
+}
+
+/// A place where what is seen of the sources changes its kind.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limit {
+    /// Along the line from its first end, metres.
+    pub distance: f64,
+    /// Metres.
+    pub position: DVec3,
+    pub before: Phase,
+    pub after: Phase,
+    /// The distance is off by no more than this, metres.
+    pub bound: f64,
+    pub method: LimitMethod,
+}
+
+impl Limit {
+    /// What happens on the way along the line: the darker of two neighbours gives the name.
+    pub fn name(&self) -> &'static str {
+        use Phase::{Antumbra, BelowHorizon, Penumbra, Umbra};
+        match (self.before, self.after) {
+            (BelowHorizon, _) => "source_rises",
+            (_, BelowHorizon) => "source_sets",
+            (Umbra, _) => "umbra_ends",
+            (_, Umbra) => "umbra_begins",
+            (Antumbra, _) => "antumbra_ends",
+            (_, Antumbra) => "antumbra_begins",
+            (Penumbra, _) => "penumbra_ends",
+            _ => "penumbra_begins",
+        }
+    }
+}
+
+impl fmt::Display for Limit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} at {} m", self.name(), self.distance)
+    }
+}
+
+/// Every limit along a configuration's measured line, in order.
+///
+/// The line is that of the configuration's points: straight on a flat receiver, an arc on a sphere.
+///
+/// - error: each limit's own bound; see [`LimitMethod`]
+/// - source: similar triangles and tangent cones for the closed forms, each derived where it stands; second witness:
+///   bisection, and table `eclipse_radii`
+pub fn limits(configuration: &Configuration) -> Result<Vec<Limit>, NoPath> {
+    let path = Path::of(configuration)?;
+    Ok(closed::limits(configuration, &path).unwrap_or_else(|| search::limits(configuration, &path)))
+}
+
+#[cfg(test)]
+mod tests;

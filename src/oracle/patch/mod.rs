@@ -1,0 +1,32 @@
+//! Form factors between finite patches: closed forms where they exist.
+//!
+//! A factor `a_to_b` leaves a and arrives at b: the power that b receives from a is exitance × area of a × `a_to_b`.
+//! Reciprocity turns it around: area of a × `a_to_b` = area of b × `b_to_a`.
+
+mod closed;
+
+use thiserror::Error;
+
+pub use closed::{
+    disk_to_disk, patch_to_patch_inside_sphere, rectangle_to_adjoining_rectangle, rectangle_to_opposite_rectangle,
+};
+
+/// Why a pair of patches was refused.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum PatchError {
+    #[error("{field} is {said}; it is finite and greater than zero (metres, an area square metres)")]
+    Length { field: &'static str, said: f64 },
+    #[error(
+        "the lengths differ by a factor of {ratio:.3e}; up to {:e} the formula keeps its digits",
+        Self::MOST_UNEVEN
+    )]
+    TooUneven { ratio: f64 },
+    #[error("the patch is {share} times as large as the sphere that it lies on")]
+    LargerThanSphere { share: f64 },
+}
+
+impl PatchError {
+    /// The largest ratio of two lengths of a pair: beyond it, squares of squares leave the range of f64.
+    pub const MOST_UNEVEN: f64 = 1e60;
+}
