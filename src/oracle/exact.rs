@@ -20,16 +20,16 @@ use crate::radiometry::{FormFactor, Irradiance};
 pub struct Oracle {
     /// A power of two that brings the configuration's lengths near one: form factors do not feel it, and nothing
     /// overflows.
-    scale: f64,
-    sources: Vec<Emitter>,
-    occluders: Vec<Body>,
+    pub(super) scale: f64,
+    pub(super) sources: Vec<Emitter>,
+    pub(super) occluders: Vec<Body>,
 }
 
 #[derive(Clone, Debug)]
-struct Emitter {
-    body: Body,
+pub(super) struct Emitter {
+    pub(super) body: Body,
     /// W/m².
-    exitance: f64,
+    pub(super) exitance: f64,
 }
 
 /// How a point sees one source.

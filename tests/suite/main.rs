@@ -14,3 +14,4 @@ mod papers;
 mod reference;
 mod shipped_cases;
 mod walls;
+mod witness;
