@@ -123,7 +123,7 @@ impl<'a> Blocker<'a> {
                 let share = (strip.y - other.y) / (end.y - other.y);
                 let slope = ((end.x - other.x) / (end.y - other.y)).abs();
                 let doubt = (end.noise + other.noise) * (1.0 + slope);
-                (other.x + (end.x - other.x) * share - view.center[1], doubt)
+                (other.x + (end.x - other.x) * share - view.anchor[1], doubt)
             } else {
                 project(view, strip, end, other)
             }
@@ -177,7 +177,7 @@ impl<'a> Blocker<'a> {
             if view.ball.is_none() && touch.y >= strip.y {
                 let reach = strip.y - y;
                 let half = ((r - reach) * (r + reach)).max(0.0).sqrt();
-                (x + side * half - view.center[1], noise * (1.0 + r / half.max(f64::EPSILON * r)))
+                (x + side * half - view.anchor[1], noise * (1.0 + r / half.max(f64::EPSILON * r)))
             } else if touch.y <= 0.0 {
                 (side * f64::INFINITY, 0.0)
             } else {
@@ -261,7 +261,7 @@ fn project(view: &View, strip: &Strip, end: Spot, other: Spot) -> (f64, f64) {
     }
     let x = end.x * (strip.y / end.y);
     let doubt = (end.noise + f64::EPSILON * end.y) * (strip.y / end.y) * (1.0 + x.abs() / strip.y);
-    (x - view.center[1], doubt)
+    (x - view.anchor[1], doubt)
 }
 
 fn push(a: (f64, f64), b: (f64, f64), covered: &mut Vec<Stretch>) {

@@ -39,13 +39,13 @@ pub(super) fn breaks(view: &View) -> Vec<f64> {
         }
     }
     let mut ends = found.ends;
-    around_a_peak(-view.center[0], view.height, low, high, &mut ends);
+    around_a_peak(-view.anchor[0], view.height, low, high, &mut ends);
     ends.retain(|s| *s > low && *s < high);
     ends.sort_by(f64::total_cmp);
     // What lies closer together is one break: half of a panel this narrow holds nothing.
     let mut kept = vec![low];
     for end in ends {
-        let near = 1e-11 * (high - low).min(view.height.hypot(view.center[0] + end));
+        let near = 1e-11 * (high - low).min(view.height.hypot(view.anchor[0] + end));
         if end - kept[kept.len() - 1] > near && high - end > near {
             kept.push(end);
         }
@@ -74,7 +74,7 @@ pub(super) fn range(view: &View, form: &Form) -> [f64; 2] {
 
 /// By more than rounding.
 fn widened(view: &View, range: [f64; 2]) -> [f64; 2] {
-    let margin = |sigma: f64| 1e-9 * (view.height + sigma.abs() + view.center[0].abs());
+    let margin = |sigma: f64| 1e-9 * (view.height + sigma.abs() + view.anchor[0].abs());
     [range[0] - margin(range[0]), range[1] + margin(range[1])]
 }
 
@@ -91,7 +91,7 @@ fn sigmas(view: &View, circle: &Circle) -> Option<[f64; 2]> {
 
 /// σ of the strips that touch a circle's trace, and the points that they touch.
 fn extremes(view: &View, circle: &Circle) -> [(f64, DVec3); 2] {
-    let a = (view.down * view.height + view.e1 * view.center[0]).cross(view.e2);
+    let a = (view.down * view.height + view.e1 * view.anchor[0]).cross(view.e2);
     circle.extremes(a, view.e1.cross(view.e2))
 }
 
@@ -109,17 +109,19 @@ impl Found<'_> {
         let view = self.view;
         let mut bounds = Vec::new();
         match &view.outline {
-            Outline::Circle { radius } => {
+            Outline::Circle(round) => {
                 let circle = match view.ball {
                     Some(own) => Circle::silhouette(view.middle, own),
-                    None => Some(Circle { center: view.middle, normal: -view.down, radius: *radius }),
+                    None => Some(Circle { center: view.middle, normal: -view.down, radius: round.radius }),
                 };
                 bounds.extend(circle.map(|circle| self.bound(Owner::Source, Curve::Circle(circle))));
             }
             Outline::Edges(edges) => {
                 for edge in edges {
-                    self.ends.push(edge[0][0]);
-                    let [p, q] = edge.map(|[s, t]| view.middle + view.e1 * s + view.e2 * t);
+                    self.ends.push(edge.ends[0][0]);
+                    let [s, t] = view.anchor;
+                    let at = |[sigma, tau]: [f64; 2]| view.down * view.height + view.e1 * (s + sigma) + view.e2 * (t + tau);
+                    let [p, q] = edge.ends.map(at);
                     bounds.extend(Curve::edge(p, q).map(|curve| self.bound(Owner::Source, curve)));
                 }
             }
@@ -244,7 +246,7 @@ impl Found<'_> {
             return;
         }
         // Far above what the place may be off by.
-        let margin = 1e-7 * (self.high - self.low).min(view.height.hypot(view.center[0] + sigma));
+        let margin = 1e-7 * (self.high - self.low).min(view.height.hypot(view.anchor[0] + sigma));
         let is_within = |x: &Stretch, margin: f64| x.from + margin < tau && tau < x.to - margin;
         let strip = view.strip(sigma);
         if !owners.contains(&Owner::Source) {

@@ -108,7 +108,8 @@ fn walk(n: DVec3, source: &Body, occluders: &[&Body], eye: DVec3, emission: Opti
         |sum| Demand { goal: goals(sum, asked.get() < PATIENCE), floor },
     );
     let (sum, error) = (Held::from_array(found.value), Held::from_array(found.error));
-    let rounding = 8.0 * f64::EPSILON;
+    // A form factor feels its height by no more than its fourth power.
+    let rounding = 8.0 * f64::EPSILON + 4.0 * view.height_doubt;
     let factor = Strips {
         value: sum.visible,
         error: error.visible + sum.doubt + rounding * sum.visible,

@@ -190,7 +190,7 @@ impl<'a> Walk<'a> {
         let view = self.view;
         let mut ends: Vec<f64> =
             (1..PARTS).map(|i| from + (to - from) * (f64::from(i) / f64::from(PARTS))).collect();
-        around_a_peak(-view.center[1], line.strip.y, from, to, &mut ends);
+        around_a_peak(-view.anchor[1], line.strip.y, from, to, &mut ends);
         ends.extend([from, to]);
         ends.sort_by(f64::total_cmp);
         ends.dedup();
@@ -224,7 +224,7 @@ struct Line<'a> {
 impl Line<'_> {
     fn new<'a>(view: &View, strip: &'a Strip) -> Line<'a> {
         let (level, slope) = view.cosine(strip);
-        Line { strip, height: view.height, middle: view.center[1], level, slope }
+        Line { strip, height: view.height, middle: view.anchor[1], level, slope }
     }
 
     fn value(&self, tau: f64) -> f64 {

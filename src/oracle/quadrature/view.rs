@@ -10,8 +10,9 @@ use crate::geometry::Frame;
 /// The strips' frame on the source's plane. Lengths are in a unit of the view's own, a power of two that brings the
 /// source's distance near one; points are relative to the eye.
 ///
-/// A strip is the line `height down + s e1 + t e2` at one s; (σ, τ) are (s, t) relative to the source's centre, so that
-/// a small source far away keeps its digits.
+/// A strip is the line `height down + s e1 + t e2` at one s; (σ, τ) are (s, t) relative to an anchor, so that digits are
+/// kept where they matter: the source's centre, for a small source far away; the foot, where that is on or beside the
+/// source and may be close to an edge.
 ///
 /// A sphere source is looked at on the disk of its silhouette, which fills the same directions.
 pub(super) struct View<'a> {
@@ -21,10 +22,12 @@ pub(super) struct View<'a> {
     pub height: f64,
     pub e1: DVec3,
     pub e2: DVec3,
-    /// (s, t) of the source's centre.
-    pub center: [f64; 2],
+    /// (s, t) of the anchor.
+    pub anchor: [f64; 2],
     /// The source's centre in space: that of the plane figure, or of the sphere.
     pub middle: DVec3,
+    /// How far off `height` may be, as a share of it.
+    pub height_doubt: f64,
     pub outline: Outline,
     /// A sphere source's radius: light starts from its front.
     pub ball: Option<f64>,
@@ -35,8 +38,26 @@ pub(super) struct View<'a> {
 
 /// The source's outline in (σ, τ).
 pub(super) enum Outline {
-    Circle { radius: f64 },
-    Edges(Vec<[[f64; 2]; 2]>),
+    Circle(Round),
+    Edges(Vec<Edge>),
+}
+
+/// A circle that keeps its digits close to the anchor.
+pub(super) struct Round {
+    pub center: [f64; 2],
+    pub radius: f64,
+    /// The anchor's distance from the centre, squared, less the radius squared.
+    power: f64,
+    power_doubt: f64,
+}
+
+/// A straight edge that keeps its digits close to the anchor.
+pub(super) struct Edge {
+    pub ends: [[f64; 2]; 2],
+    /// τ at σ = 0 of the line that it lies on, and how far off that may be.
+    level: f64,
+    level_doubt: f64,
+    slope: f64,
 }
 
 /// One strip, and the plane through it and the eye: there, a point is (x along e2, y along `ahead`).
@@ -82,29 +103,35 @@ impl<'a> View<'a> {
         if height.is_nan() || height <= least {
             return None;
         }
+        // Products of which one alone counts are not off; for a sphere, distance and silhouette make up for one another.
+        let height_doubt = if ball.is_some() { 0.0 } else { f64::EPSILON * down.abs().dot(middle.abs()) / height };
+        let off_foot = middle - down * middle.dot(down);
+        let at_foot = ball.is_some() || off_foot.length() < 2.0 * reach;
         let blockers: Vec<Blocker> = occluders.iter().map(|body| Blocker::new(body, eye, unit)).collect();
         let frame = Frame::around(down);
         let axes = |turn: f64| {
             let (sin, cos) = turn.sin_cos();
             [frame.tangent * cos + frame.bitangent * sin, frame.bitangent * cos - frame.tangent * sin]
         };
-        let corners = match &source.figure {
+        // Relative to the anchor, but for their share along `down`.
+        let corners: Vec<[DVec3; 2]> = match &source.figure {
             Figure::Flat(shape) => {
-                let at = |i: u32| ((shape.origin - source.center) + shape.offsets[i as usize]) / unit;
+                let base = shape.origin - if at_foot { eye } else { source.center };
+                let at = |i: u32| (base + shape.offsets[i as usize]) / unit;
                 shape.edges.iter().map(|edge| edge.map(at)).collect()
             }
             _ => Vec::new(),
         };
         let [e1, e2] = axes(least_parallel(&corners, &blockers, down, &axes));
         let outline = match &source.figure {
-            Figure::Disk { radius, .. } => Outline::Circle { radius: radius / unit },
-            Figure::Ball { .. } => Outline::Circle { radius: reach * (height / middle.length()).sqrt() },
-            Figure::Flat(_) => {
-                Outline::Edges(corners.iter().map(|edge| edge.map(|p| [p.dot(e1), p.dot(e2)])).collect())
+            Figure::Flat(_) => Outline::Edges(corners.iter().map(|edge| Edge::new(*edge, down, e1, e2)).collect()),
+            Figure::Ball { .. } => {
+                Outline::Circle(Round::new(DVec3::ZERO, reach * (height / middle.length()).sqrt(), e1, e2))
             }
+            Figure::Disk { .. } => Outline::Circle(Round::new(if at_foot { off_foot } else { DVec3::ZERO }, reach, e1, e2)),
         };
-        let center = if ball.is_some() { [0.0, 0.0] } else { [middle.dot(e1), middle.dot(e2)] };
-        let mut view = View { n, down, height, e1, e2, center, middle, outline, ball, blockers, unit };
+        let anchor = if at_foot { [0.0, 0.0] } else { [middle.dot(e1), middle.dot(e2)] };
+        let mut view = View { n, down, height, e1, e2, anchor, middle, height_doubt, outline, ball, blockers, unit };
         let ranges: Vec<[f64; 2]> = view.blockers.iter().map(|b| breaks::range(&view, &b.form)).collect();
         for (blocker, range) in view.blockers.iter_mut().zip(ranges) {
             blocker.range = range;
@@ -115,16 +142,16 @@ impl<'a> View<'a> {
     /// The source's ends in σ.
     pub fn extent(&self) -> (f64, f64) {
         match &self.outline {
-            Outline::Circle { radius } => (-radius, *radius),
+            Outline::Circle(round) => (round.center[0] - round.radius, round.center[0] + round.radius),
             Outline::Edges(edges) => edges
                 .iter()
-                .flatten()
+                .flat_map(|edge| edge.ends)
                 .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p[0]), high.max(p[0]))),
         }
     }
 
     pub fn strip(&self, sigma: f64) -> Strip {
-        let s = self.center[0] + sigma;
+        let s = self.anchor[0] + sigma;
         let y = self.height.hypot(s);
         let ahead = (self.down * self.height + self.e1 * s) / y;
         Strip { sigma, ahead, y, across: ahead.cross(self.e2) }
@@ -134,18 +161,20 @@ impl<'a> View<'a> {
     pub fn flat(&self, direction: DVec3) -> Option<[f64; 2]> {
         let depth = direction.dot(self.down);
         let share = self.height / depth;
-        let at = [direction.dot(self.e1) * share - self.center[0], direction.dot(self.e2) * share - self.center[1]];
+        let at = [direction.dot(self.e1) * share - self.anchor[0], direction.dot(self.e2) * share - self.anchor[1]];
         (depth > 0.0 && at[0].is_finite() && at[1].is_finite()).then_some(at)
     }
 
     /// The point of the source's plane at τ of a strip.
     pub fn point(&self, strip: &Strip, tau: f64) -> DVec3 {
-        strip.ahead * strip.y + self.e2 * (self.center[1] + tau)
+        strip.ahead * strip.y + self.e2 * (self.anchor[1] + tau)
     }
 
     /// Where on the source a ray through a point of its plane ends, relative to `middle`.
     pub fn on_source(&self, strip: &Strip, tau: f64) -> DVec3 {
         match self.ball {
+            // The foot or the centre itself, whichever the anchor is.
+            None if self.anchor == [0.0, 0.0] => self.point(strip, tau) - self.middle,
             None => self.e1 * strip.sigma + self.e2 * tau,
             Some(radius) => {
                 let direction = self.point(strip, tau).normalize();
@@ -173,24 +202,11 @@ impl<'a> View<'a> {
     /// The source's stretches on a strip, above the horizon or not.
     pub fn inside(&self, sigma: f64, stretches: &mut Vec<Stretch>) {
         stretches.clear();
-        let rounding = 4.0 * f64::EPSILON;
         match &self.outline {
-            Outline::Circle { radius } => {
-                let half = ((radius - sigma) * (radius + sigma)).max(0.0).sqrt();
-                if half > 0.0 {
-                    let doubt = rounding * radius * (radius / half);
-                    stretches.push(Stretch { from: -half, to: half, doubt_from: doubt, doubt_to: doubt });
-                }
-            }
+            Outline::Circle(round) => stretches.extend(round.on_strip(sigma)),
             Outline::Edges(edges) => {
                 let mut crossings: Vec<(f64, f64)> = Vec::with_capacity(4);
-                for [[sa, ta], [sb, tb]] in edges {
-                    if (*sa > sigma) != (*sb > sigma) {
-                        let slope = (tb - ta) / (sb - sa);
-                        let (near, far) = (sa.abs().max(sb.abs()), ta.abs().max(tb.abs()));
-                        crossings.push((ta + (sigma - sa) * slope, rounding * (far + near * slope.abs())));
-                    }
-                }
+                crossings.extend(edges.iter().filter_map(|edge| edge.on_strip(sigma)));
                 crossings.sort_by(|a, b| a.0.total_cmp(&b.0));
                 stretches.extend(crossings.chunks_exact(2).map(|pair| Stretch {
                     from: pair[0].0,
@@ -205,6 +221,69 @@ impl<'a> View<'a> {
     /// n·r along a strip: its value at τ = 0, and its slope.
     pub fn cosine(&self, strip: &Strip) -> (f64, f64) {
         (self.n.dot(self.point(strip, 0.0)), self.n.dot(self.e2))
+    }
+}
+
+impl Round {
+    fn new(center: DVec3, radius: f64, e1: DVec3, e2: DVec3) -> Round {
+        let distance = center.length();
+        // The root of a single square is not off.
+        let is_exact = center.to_array().iter().filter(|x| **x != 0.0).count() < 2;
+        let gap_doubt = if is_exact { (distance - radius).abs() } else { distance };
+        Round {
+            center: [center.dot(e1), center.dot(e2)],
+            radius,
+            power: (distance - radius) * (distance + radius),
+            power_doubt: f64::EPSILON * gap_doubt * (distance + radius),
+        }
+    }
+
+    /// Both τ solve τ² − 2 τ τ₀ + σ² − 2 σ σ₀ + power = 0: the nearer one comes from their product.
+    fn on_strip(&self, sigma: f64) -> Option<Stretch> {
+        let [s, t] = self.center;
+        let across = sigma - s;
+        let half = ((self.radius - across) * (self.radius + across)).max(0.0).sqrt();
+        if half <= 0.0 {
+            return None;
+        }
+        let far = t + half.copysign(t);
+        let shift = sigma * (sigma - 2.0 * s);
+        let near = (shift + self.power) / far;
+        let half_doubt = f64::EPSILON * self.radius * (self.radius / half);
+        let far_doubt = half_doubt + f64::EPSILON * far.abs();
+        let near_doubt = (self.power_doubt + f64::EPSILON * shift.abs() + near.abs() * far_doubt) / far.abs();
+        Some(if near < far {
+            Stretch { from: near, to: far, doubt_from: near_doubt, doubt_to: far_doubt }
+        } else {
+            Stretch { from: far, to: near, doubt_from: far_doubt, doubt_to: near_doubt }
+        })
+    }
+}
+
+impl Edge {
+    /// - `ends`: relative to the anchor, but for what lies along `down`
+    fn new(ends: [DVec3; 2], down: DVec3, e1: DVec3, e2: DVec3) -> Edge {
+        let [p, q] = ends;
+        let along = q - p;
+        let [run, rise] = [along.dot(e1), along.dot(e2)];
+        // Twice the triangle's area over the edge, exact where its coordinates are few: no rotated corner is.
+        let area = down.dot(p.cross(q));
+        let (a, b) = (p.abs(), q.abs());
+        let terms = down.abs().dot(DVec3::new(a.y * b.z + a.z * b.y, a.z * b.x + a.x * b.z, a.x * b.y + a.y * b.x));
+        // (e1, e2, down) is right-handed.
+        Edge {
+            ends: ends.map(|p| [p.dot(e1), p.dot(e2)]),
+            level: -area / run,
+            level_doubt: f64::EPSILON * terms / run.abs(),
+            slope: rise / run,
+        }
+    }
+
+    fn on_strip(&self, sigma: f64) -> Option<(f64, f64)> {
+        let [[from, _], [to, _]] = self.ends;
+        let lift = sigma * self.slope;
+        let doubt = self.level_doubt + f64::EPSILON * (self.level.abs() + 2.0 * lift.abs());
+        ((from > sigma) != (to > sigma)).then_some((self.level + lift, doubt))
     }
 }
 
