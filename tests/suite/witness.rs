@@ -32,7 +32,11 @@ fn check(table: &str) {
             faults.push(format!("{}: {} where F = {:e}", row.id, truth.region, row.visible));
         }
         let scale = row.unoccluded.max(1e-300);
-        for (most, now) in [(&mut worst, error / scale), (&mut worst_bound, bound / scale), (&mut worst_share, error / own.max(1e-300))] {
+        for (most, now) in [
+            (&mut worst, error / scale),
+            (&mut worst_bound, bound / scale),
+            (&mut worst_share, error / own.max(1e-300)),
+        ] {
             if now > most.0 {
                 *most = (now, row.id.as_str());
             }
@@ -40,7 +44,13 @@ fn check(table: &str) {
     }
     println!(
         "{table}: {} rows; of F_unoccluded: worst error {:.1e} ({}), largest bound {:.1e} ({}); worst error / bound {:.2} ({})",
-        rows.len(), worst.0, worst.1, worst_bound.0, worst_bound.1, worst_share.0, worst_share.1
+        rows.len(),
+        worst.0,
+        worst.1,
+        worst_bound.0,
+        worst_bound.1,
+        worst_share.0,
+        worst_share.1
     );
     assert!(faults.is_empty(), "{} of {} rows:\n{}", faults.len(), rows.len(), faults.join("\n"));
 }
@@ -79,9 +89,14 @@ fn a_constant_exitance_is_the_uniform_value() {
                 assert!(source == 0 && position.is_finite());
                 2.5
             });
-            let (value, bound) = (textured.irradiance.watts_per_square_metre(), textured.bound.watts_per_square_metre());
+            let (value, bound) =
+                (textured.irradiance.watts_per_square_metre(), textured.bound.watts_per_square_metre());
             let error = (value - 2.5 * row.visible).abs();
-            assert!(bound < 1e-10 * row.unoccluded && error <= bound + 1e-300, "{}: {value:e}, error {error:.1e}, bound {bound:.1e}", row.id);
+            assert!(
+                bound < 1e-10 * row.unoccluded && error <= bound + 1e-300,
+                "{}: {value:e}, error {error:.1e}, bound {bound:.1e}",
+                row.id
+            );
         }
     }
 }

@@ -71,7 +71,14 @@ impl<'a> Blocker<'a> {
         }
     }
 
-    fn chord_of_disk(&self, view: &View, strip: &Strip, center: DVec3, normal: DVec3, radius: f64) -> Option<[Spot; 2]> {
+    fn chord_of_disk(
+        &self,
+        view: &View,
+        strip: &Strip,
+        center: DVec3,
+        normal: DVec3,
+        radius: f64,
+    ) -> Option<[Spot; 2]> {
         let along = strip.across.cross(normal);
         let square = along.length_squared();
         let level = strip.across.dot(center);
@@ -173,7 +180,8 @@ impl<'a> Blocker<'a> {
         let touching = ((distance - r) * (distance + r)).sqrt();
         let share = touching / (distance * distance);
         let bounds = [-1.0, 1.0].map(|side| {
-            let touch = Spot { x: (x * touching + side * y * r) * share, y: (y * touching - side * x * r) * share, noise };
+            let touch =
+                Spot { x: (x * touching + side * y * r) * share, y: (y * touching - side * x * r) * share, noise };
             if view.ball.is_none() && touch.y >= strip.y {
                 let reach = strip.y - y;
                 let half = ((r - reach) * (r + reach)).max(0.0).sqrt();

@@ -120,7 +120,9 @@ impl Found<'_> {
                 for edge in edges {
                     self.ends.push(edge.ends[0][0]);
                     let [s, t] = view.anchor;
-                    let at = |[sigma, tau]: [f64; 2]| view.down * view.height + view.e1 * (s + sigma) + view.e2 * (t + tau);
+                    let at = |[sigma, tau]: [f64; 2]| {
+                        view.down * view.height + view.e1 * (s + sigma) + view.e2 * (t + tau)
+                    };
                     let [p, q] = edge.ends.map(at);
                     bounds.extend(Curve::edge(p, q).map(|curve| self.bound(Owner::Source, curve)));
                 }

@@ -29,7 +29,7 @@ use std::cell::Cell;
 use glam::DVec3;
 
 use super::body::Body;
-use rule::Demand;
+use rule::{Demand, Ends};
 use strip::{Emission, Held, PATIENCE, Walk};
 use view::View;
 
@@ -98,6 +98,7 @@ fn walk(n: DVec3, source: &Body, occluders: &[&Body], eye: DVec3, emission: Opti
     let asked = Cell::new(0);
     let found = rule::integrate(
         &ends,
+        Ends::Roots,
         1e-15 * (high - low),
         BUDGET,
         |sigma| {

@@ -1,6 +1,6 @@
 //! Rules of quadrature: adaptive Gauss–Kronrod for what must be searched, Gauss for what is known to be smooth.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::PI;
 
 /// Several integrals over one interval, taken at the same places.
 #[derive(Clone, Copy, Debug)]
@@ -16,7 +16,25 @@ pub(super) struct Integral<const N: usize> {
 struct Panel<const N: usize> {
     low: f64,
     high: f64,
+    form: Form,
     integral: Integral<N>,
+}
+
+/// What the integrand is at the ends of an interval between breaks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Ends {
+    /// Analytic.
+    Smooth,
+    /// Analytic in the square root of the distance from either end.
+    Roots,
+}
+
+/// How a panel is gone along: evenly, or by the square of the way from an end with a square root.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Form {
+    Even,
+    FromLow,
+    FromHigh,
 }
 
 /// What a panel's error may be.
@@ -29,21 +47,32 @@ pub(super) struct Demand<const N: usize> {
 
 /// Adaptive quadrature: every panel whose error is above its share is halved, in rounds, until the sum will do.
 ///
-/// Within a panel `s = middle + half sin θ`, which takes square-root ends away. Depends on nothing but its arguments.
+/// Depends on nothing but its arguments.
 ///
-/// - `breaks`: ascending; the integrand is smooth between them, or at least the user hopes so
+/// - `breaks`: ascending; the integrand is analytic between them, or at least the user hopes so
 /// - `narrowest`: panels are not halved below this width
 /// - `budget`: panels after which those that remain are taken as they are, with their error estimates
 /// - `demand`: from the sums so far; asked anew each round
 pub(super) fn integrate<const N: usize>(
     breaks: &[f64],
+    ends: Ends,
     narrowest: f64,
     budget: usize,
     mut integrand: impl FnMut(f64) -> [f64; N],
     mut demand: impl FnMut(&[f64; N]) -> Demand<N>,
 ) -> Integral<N> {
-    let mut panels: Vec<Panel<N>> =
-        breaks.windows(2).map(|pair| Panel::new(pair[0], pair[1], &mut integrand)).collect();
+    let mut panels: Vec<Panel<N>> = Vec::with_capacity(4 * breaks.len());
+    for pair in breaks.windows(2) {
+        let (low, high) = (pair[0], pair[1]);
+        match ends {
+            Ends::Smooth => panels.push(Panel::new(low, high, Form::Even, &mut integrand)),
+            Ends::Roots => {
+                let middle = 0.5 * (low + high);
+                panels.push(Panel::new(low, middle, Form::FromLow, &mut integrand));
+                panels.push(Panel::new(middle, high, Form::FromHigh, &mut integrand));
+            }
+        }
+    }
     loop {
         let sum = total(&panels);
         let Demand { goal, floor } = demand(&sum.value);
@@ -60,9 +89,10 @@ pub(super) fn integrate<const N: usize>(
         let mut next = Vec::with_capacity(2 * before);
         for panel in panels {
             if splits(&panel) {
-                let middle = 0.5 * (panel.low + panel.high);
-                next.push(Panel::new(panel.low, middle, &mut integrand));
-                next.push(Panel::new(middle, panel.high, &mut integrand));
+                let (low, middle, high) = (panel.low, 0.5 * (panel.low + panel.high), panel.high);
+                let keep = |form: Form| if panel.form == form { form } else { Form::Even };
+                next.push(Panel::new(low, middle, keep(Form::FromLow), &mut integrand));
+                next.push(Panel::new(middle, high, keep(Form::FromHigh), &mut integrand));
             } else {
                 next.push(panel);
             }
@@ -74,20 +104,37 @@ pub(super) fn integrate<const N: usize>(
     }
 }
 
+impl Form {
+    /// Where a panel is at −1 ≤ x ≤ 1, and how fast it goes along with x there.
+    fn place(self, low: f64, high: f64, x: f64) -> (f64, f64) {
+        let half = 0.5 * (high - low);
+        // From the nearer end, or from the root's, so that what happens close to it keeps its digits.
+        match self {
+            Form::Even if x < 0.0 => (low + half * (1.0 + x), half),
+            Form::Even => (high - half * (1.0 - x), half),
+            Form::FromLow => (low + 0.5 * half * (1.0 + x) * (1.0 + x), half * (1.0 + x)),
+            Form::FromHigh => (high - 0.5 * half * (1.0 - x) * (1.0 - x), half * (1.0 - x)),
+        }
+    }
+}
+
 impl<const N: usize> Panel<N> {
-    fn new(low: f64, high: f64, integrand: &mut impl FnMut(f64) -> [f64; N]) -> Panel<N> {
-        let width = high - low;
-        // From the nearer end, so that what happens close to it keeps its digits.
-        let from_end = |node: f64| width * (0.5 * FRAC_PI_2 * (1.0 - node.abs())).sin().powi(2);
-        let place = |node: f64| if node < 0.0 { low + from_end(node) } else { high - from_end(node) };
-        let (mut at_low, mut at_high) = (integrand(place(-BRINK)), integrand(place(BRINK)));
+    fn new(low: f64, high: f64, form: Form, integrand: &mut impl FnMut(f64) -> [f64; N]) -> Panel<N> {
+        let place = |x: f64| form.place(low, high, x);
+        let brinks = match form {
+            Form::Even => [&EVEN_BRINK; 2],
+            Form::FromLow => [&ROOT_BRINK, &EVEN_BRINK],
+            Form::FromHigh => [&EVEN_BRINK, &ROOT_BRINK],
+        };
+        let mut at_low = integrand(place(-brinks[0].x).0);
+        let mut at_high = integrand(place(brinks[1].x).0);
         let (mut fine, mut coarse, mut rough) = ([0.0; N], [0.0; N], [[0.0; N]; SPANS]);
         for (i, (node, kronrod, gauss)) in KRONROD_21.into_iter().enumerate() {
-            let here = integrand(place(node));
-            let stretch = 0.5 * width * (FRAC_PI_2 * node).cos() * FRAC_PI_2;
+            let (at, stretch) = place(node);
+            let here = integrand(at);
             for k in 0..N {
-                at_low[k] -= AT_BRINK[i] * here[k];
-                at_high[k] -= AT_BRINK[20 - i] * here[k];
+                at_low[k] -= brinks[0].weights[i] * here[k];
+                at_high[k] -= brinks[1].weights[20 - i] * here[k];
                 let value = stretch * here[k];
                 fine[k] += kronrod * value;
                 coarse[k] += gauss * value;
@@ -96,12 +143,14 @@ impl<const N: usize> Panel<N> {
                 }
             }
         }
-        let unseen = from_end(KRONROD_21[0].0);
+        let last = KRONROD_21[20].0;
+        let unseen = [place(-last).0 - low, high - place(last).0];
         let error = std::array::from_fn(|k| {
             let roughest = rough.iter().map(|span| span[k].abs()).fold(0.0, f64::max);
-            (fine[k] - coarse[k]).abs().max(ROUGH * roughest) + unseen * (at_low[k].abs() + at_high[k].abs())
+            let rule = (fine[k] - coarse[k]).abs().max(ROUGH * roughest);
+            rule + unseen[0] * at_low[k].abs() + unseen[1] * at_high[k].abs()
         });
-        Panel { low, high, integral: Integral { value: fine, error } }
+        Panel { low, high, form, integral: Integral { value: fine, error } }
     }
 }
 
@@ -210,25 +259,32 @@ const SPANS: usize = 4;
 /// The rule's error over the greatest divided difference, at jumps and bends wherever they lie: at most 2.4.
 const ROUGH: f64 = 3.0;
 
-/// What the polynomial through all nodes says at `−BRINK` is this sum of its values there (Lagrange).
-const AT_BRINK: [f64; 21] = {
+/// A place just inside a panel's end, and what the polynomial through all nodes says at the low one: a sum of its values
+/// (Lagrange).
+struct Brink {
+    x: f64,
+    weights: [f64; 21],
+}
+
+const fn brink(x: f64) -> Brink {
     let mut weights = [1.0; 21];
     let mut i = 0;
     while i < 21 {
         let mut j = 0;
         while j < 21 {
             if j != i {
-                weights[i] *= (-BRINK - KRONROD_21[j].0) / (KRONROD_21[i].0 - KRONROD_21[j].0);
+                weights[i] *= (-x - KRONROD_21[j].0) / (KRONROD_21[i].0 - KRONROD_21[j].0);
             }
             j += 1;
         }
         i += 1;
     }
-    weights
-};
+    Brink { x, weights }
+}
 
-/// Just inside a panel's end: in s, 2.5e-12 of the panel's width.
-const BRINK: f64 = 1.0 - 2e-6;
+/// Both are 1e-12 of the panel's width away from its end.
+static EVEN_BRINK: Brink = brink(1.0 - 2e-12);
+static ROOT_BRINK: Brink = brink(1.0 - 2e-6);
 
 /// 1/π, where a form factor's kernel ends.
 pub(super) const PER_PI: f64 = 1.0 / PI;
@@ -238,14 +294,14 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    fn one(breaks: &[f64], f: impl Fn(f64) -> f64) -> (Integral<1>, usize) {
-        let demand = |sum: &[f64; 1]| Demand { goal: [1e-13 * sum[0].abs()], floor: |_| [0.0] };
+    fn one(ends: Ends, breaks: &[f64], f: impl Fn(f64) -> f64) -> (Integral<1>, usize) {
+        let demand = |sum: &[f64; 1]| Demand { goal: [1e-12 * sum[0].abs()], floor: |_| [0.0] };
         let mut asked = 0;
         let integrand = |x| {
             asked += 1;
             [f(x)]
         };
-        (integrate(breaks, 1e-15, 4000, integrand, demand), asked)
+        (integrate(breaks, ends, 1e-15, 4000, integrand, demand), asked)
     }
 
     #[test]
@@ -256,29 +312,33 @@ mod tests {
 
     #[test]
     fn square_root_ends_cost_nothing() {
-        let (disk, asked) = one(&[-1.0, 1.0], |x| 2.0 * ((1.0 - x) * (1.0 + x)).sqrt());
+        let (disk, asked) = one(Ends::Roots, &[-1.0, 1.0], |x| 2.0 * ((1.0 - x) * (1.0 + x)).sqrt());
         assert_relative_eq!(disk.value[0], PI, max_relative = 1e-15);
-        assert!(disk.error[0] < 1e-12, "{disk:?}");
-        assert_eq!(asked, 23);
+        assert!(disk.error[0] < 4e-12, "{disk:?}");
+        assert!(asked < 150, "{asked}");
     }
 
     /// Wherever it lies, close to the ends of panels or not.
     #[test]
     fn a_jump_is_found_to_the_last_bits() {
-        for at in (0..500).map(|i| f64::from(i) / 500.0 + 3e-6 * f64::from(i % 7)) {
-            let (step, asked) = one(&[0.0, 1.0], |x| f64::from(x > at));
-            let off = (step.value[0] - (1.0 - at)).abs();
-            assert!(step.error[0] < 1e-11 && off <= step.error[0] + 1e-15, "{at}: off by {off:e}: {step:?}");
-            assert!(asked < 2500, "{at}: {asked}");
+        for ends in [Ends::Smooth, Ends::Roots] {
+            for at in (0..500).map(|i| f64::from(i) / 500.0 + 3e-6 * f64::from(i % 7)) {
+                let (step, asked) = one(ends, &[0.0, 1.0], |x| f64::from(x > at));
+                let off = (step.value[0] - (1.0 - at)).abs();
+                assert!(step.error[0] < 1e-11 && off <= step.error[0] + 1e-15, "{at}: off by {off:e}: {step:?}");
+                assert!(asked < 2500, "{at}: {asked}");
+            }
         }
     }
 
     #[test]
     fn a_bend_is_found_too() {
-        for at in (0..20000).map(|i| f64::from(i) / 20000.0 + 1e-7 * f64::from(i % 5)) {
-            let (bend, _) = one(&[0.0, 1.0], |x| (x - at).abs());
-            let off = (bend.value[0] - 0.5 * (at * at + (1.0 - at) * (1.0 - at))).abs();
-            assert!(bend.error[0] < 1e-12 && off <= bend.error[0] + 4e-16, "{at}: off by {off:e}: {bend:?}");
+        for ends in [Ends::Smooth, Ends::Roots] {
+            for at in (0..20000).map(|i| f64::from(i) / 20000.0 + 1e-7 * f64::from(i % 5)) {
+                let (bend, _) = one(ends, &[0.0, 1.0], |x| (x - at).abs());
+                let off = (bend.value[0] - 0.5 * (at * at + (1.0 - at) * (1.0 - at))).abs();
+                assert!(bend.error[0] < 1e-12 && off <= bend.error[0] + 4e-16, "{at}: off by {off:e}: {bend:?}");
+            }
         }
     }
 }

@@ -12,7 +12,7 @@ use std::cell::Cell;
 
 use glam::DVec3;
 
-use super::rule::{self, Demand, PER_PI, around_a_peak, gauss_10};
+use super::rule::{self, Demand, Ends, PER_PI, around_a_peak, gauss_10};
 use super::view::{Stretch, Strip, View};
 
 /// Exitance (any unit) at a place on the source, given relative to the source's centre in the bodies' unit.
@@ -72,14 +72,7 @@ pub(super) const PATIENCE: usize = 20_000_000;
 
 impl<'a> Walk<'a> {
     pub fn new(view: &'a View<'a>, emission: Option<Emission<'a>>) -> Walk<'a> {
-        Walk {
-            view,
-            emission,
-            sight: Sight::default(),
-            asked: Cell::new(0),
-            inside: Vec::new(),
-            covered: Vec::new(),
-        }
+        Walk { view, emission, sight: Sight::default(), asked: Cell::new(0), inside: Vec::new(), covered: Vec::new() }
     }
 
     pub fn along(&mut self, sigma: f64) -> Held {
@@ -188,8 +181,7 @@ impl<'a> Walk<'a> {
         const PARTS: i32 = 4;
         const BUDGET: usize = 800;
         let view = self.view;
-        let mut ends: Vec<f64> =
-            (1..PARTS).map(|i| from + (to - from) * (f64::from(i) / f64::from(PARTS))).collect();
+        let mut ends: Vec<f64> = (1..PARTS).map(|i| from + (to - from) * (f64::from(i) / f64::from(PARTS))).collect();
         around_a_peak(-view.anchor[1], line.strip.y, from, to, &mut ends);
         ends.extend([from, to]);
         ends.sort_by(f64::total_cmp);
@@ -203,9 +195,11 @@ impl<'a> Walk<'a> {
             goal: [1e-13 * sum[1], f64::INFINITY],
             floor: |panel| [8.0 * f64::EPSILON * panel[1], 0.0],
         };
+        // A sphere turns away at its silhouette.
+        let form = if view.ball.is_some() { Ends::Roots } else { Ends::Smooth };
         let budget = if self.asked.get() < PATIENCE { BUDGET } else { 0 };
         let narrowest = 4.0 * f64::EPSILON * from.abs().max(to.abs());
-        let found = rule::integrate(&ends, narrowest, budget, integrand, demand);
+        let found = rule::integrate(&ends, form, narrowest, budget, integrand, demand);
         (found.value[0], found.value[1], found.error[0])
     }
 }
@@ -292,7 +286,9 @@ mod tests {
     #[test]
     fn all_forms_of_the_integral_agree() {
         for y in [1e-6, 1e-3, 0.3, 1.0] {
-            for (from, to) in [(-1.0, 1.0), (0.0, 1.0), (1e-5, 1.0), (0.01, 0.5), (-1.0, -1e-3), (0.3, 0.4), (-1e-7, 1.0)] {
+            for (from, to) in
+                [(-1.0, 1.0), (0.0, 1.0), (1e-5, 1.0), (0.01, 0.5), (-1.0, -1e-3), (0.3, 0.4), (-1e-7, 1.0)]
+            {
                 let strip = Strip { sigma: 0.0, ahead: DVec3::Z, y, across: DVec3::Y };
                 let line = Line { strip: &strip, height: y, middle: 0.0, level: 2.0, slope: 0.5 };
                 let mut ends = Vec::new();

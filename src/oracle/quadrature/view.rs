@@ -2,9 +2,9 @@
 
 use glam::DVec3;
 
+use super::super::body::{Body, Figure};
 use super::blocker::Blocker;
 use super::breaks;
-use super::super::body::{Body, Figure};
 use crate::geometry::Frame;
 
 /// The strips' frame on the source's plane. Lengths are in a unit of the view's own, a power of two that brings the
@@ -81,7 +81,8 @@ pub(super) struct Stretch {
 }
 
 /// Angles at which strips may run, radians: one of them suits, as no edge of the scene should be parallel to them.
-const TURNS: [f64; 5] = [0.618_033_988_749_894_9, 1.144_122_805_635_368_6, 0.083_203_350_589_9, 1.713, 2.414_213_562_373];
+const TURNS: [f64; 5] =
+    [0.618_033_988_749_894_9, 1.144_122_805_635_368_6, 0.083_203_350_589_9, 1.713, 2.414_213_562_373];
 
 impl<'a> View<'a> {
     /// `None` for a source that turns its dark side, whose plane passes through the eye within rounding, or that is seen
@@ -128,7 +129,9 @@ impl<'a> View<'a> {
             Figure::Ball { .. } => {
                 Outline::Circle(Round::new(DVec3::ZERO, reach * (height / middle.length()).sqrt(), e1, e2))
             }
-            Figure::Disk { .. } => Outline::Circle(Round::new(if at_foot { off_foot } else { DVec3::ZERO }, reach, e1, e2)),
+            Figure::Disk { .. } => {
+                Outline::Circle(Round::new(if at_foot { off_foot } else { DVec3::ZERO }, reach, e1, e2))
+            }
         };
         let anchor = if at_foot { [0.0, 0.0] } else { [middle.dot(e1), middle.dot(e2)] };
         let mut view = View { n, down, height, e1, e2, anchor, middle, height_doubt, outline, ball, blockers, unit };
@@ -288,12 +291,7 @@ impl Edge {
 }
 
 /// Of a few turns, the one whose strips stay clearest of all edges.
-fn least_parallel(
-    own: &[[DVec3; 2]],
-    blockers: &[Blocker],
-    down: DVec3,
-    axes: &impl Fn(f64) -> [DVec3; 2],
-) -> f64 {
+fn least_parallel(own: &[[DVec3; 2]], blockers: &[Blocker], down: DVec3, axes: &impl Fn(f64) -> [DVec3; 2]) -> f64 {
     // Edges beyond these seldom matter, and a bad turn costs time, not truth.
     const ENOUGH: usize = 64;
     let own = own.iter().map(|[p, q]| (*q - *p).normalize_or_zero());
