@@ -215,9 +215,14 @@ impl<'a> Blocker<'a> {
 
     /// Hides, before a sphere source, whichever stretches between splits a ray through their middle says.
     fn try_out(&self, view: &View, strip: &Strip, splits: Vec<(f64, f64)>, covered: &mut Vec<Stretch>) {
-        let (low, high) = view.extent();
-        let clip = |(tau, doubt): (f64, f64)| (tau.clamp(2.0 * low, 2.0 * high), doubt);
-        let mut splits: Vec<(f64, f64)> = splits.into_iter().map(clip).collect();
+        let mut outline = Vec::with_capacity(1);
+        view.inside(strip.sigma, &mut outline);
+        let Some(own) = outline.first() else { return };
+        // Beside the source's outline there is no front to be before.
+        let mut splits: Vec<(f64, f64)> = splits.into_iter().filter(|(tau, _)| !tau.is_nan()).collect();
+        for (tau, _) in &mut splits {
+            *tau = tau.clamp(own.from, own.to);
+        }
         splits.sort_by(|a, b| a.0.total_cmp(&b.0));
         for pair in splits.windows(2) {
             if pair[1].0 > pair[0].0 && self.stops(view, view.point(strip, 0.5 * (pair[0].0 + pair[1].0))) {

@@ -138,6 +138,7 @@ impl<'a> Walk<'a> {
             held.visible += whole;
             self.sight.seen = true;
             held.doubt += line.value(own.from) * own.doubt_from + line.value(own.to) * own.doubt_to;
+            held.doubt += line.cosine_doubt(own.from, own.to);
         } else {
             self.gap(line, at, (own.to, own.doubt_to), held);
         }
@@ -166,6 +167,7 @@ impl<'a> Walk<'a> {
         }
         self.sight.seen = true;
         held.visible += line.integral(from.0, to.0);
+        held.doubt += line.cosine_doubt(from.0, to.0);
         if let Some(emission) = self.emission {
             let (value, _, error) = self.emitted(line, emission, from.0, to.0);
             held.visible_emission += value;
@@ -230,6 +232,15 @@ impl Line<'_> {
         } else {
             0.0
         }
+    }
+
+    /// What rounding of n·r, a few units in the last place of |r|, makes of the integral: close to the horizon much of it.
+    ///
+    /// ∫ h/(π (t² + c)^(3/2)) dt = h t/(π c √(t² + c))
+    fn cosine_doubt(&self, from: f64, to: f64) -> f64 {
+        let y = self.strip.y;
+        let [a, b] = [from, to].map(|tau| self.middle + tau).map(|t| t / t.hypot(y));
+        3.0 * f64::EPSILON * self.height * PER_PI * ((b - a) / (y * y)).max(0.0)
     }
 
     /// ∫ h (α + γ t)/(π (t² + c)²) dt from τ = `from` to `to`.
