@@ -14,10 +14,12 @@ mod outline;
 mod penumbra;
 mod piece;
 mod point_factor;
+mod polynomial;
 mod quadrature;
 mod rim;
 mod trigonometric;
 mod truth;
 
 pub use exact::Oracle;
+pub use polynomial::ExitancePolynomial;
 pub use truth::{Method, Region, Truth};

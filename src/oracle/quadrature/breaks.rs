@@ -258,8 +258,8 @@ impl Found<'_> {
             }
         }
         if !owners.contains(&Owner::Horizon) {
-            let (level, slope) = view.cosine(&strip);
-            if level + slope * tau < -margin {
+            let cosine = view.cosine(&strip);
+            if cosine.level + cosine.slope * tau < -margin {
                 return;
             }
         }

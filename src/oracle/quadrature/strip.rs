@@ -13,7 +13,7 @@ use std::cell::Cell;
 use glam::DVec3;
 
 use super::rule::{self, Demand, Ends, PER_PI, around_a_peak, gauss_10};
-use super::view::{Stretch, Strip, View};
+use super::view::{Cosine, Stretch, Strip, View};
 
 /// Exitance (any unit) at a place on the source, given relative to the source's centre in the bodies' unit.
 pub(super) type Emission<'a> = &'a dyn Fn(DVec3) -> f64;
@@ -98,9 +98,9 @@ impl<'a> Walk<'a> {
 
     /// What of a stretch is above the horizon.
     fn above(&mut self, line: &Line, mut stretch: Stretch) -> Option<Stretch> {
-        let horizon = -line.level / line.slope;
-        let rounding = 4.0 * f64::EPSILON * (line.strip.y / line.slope.abs() + horizon.abs());
-        let all_above = |at: f64| line.level + line.slope * at > 0.0;
+        let horizon = -line.cosine.level / line.cosine.slope;
+        let rounding = (line.cosine.level_doubt + line.cosine.slope_doubt * horizon.abs()) / line.cosine.slope.abs();
+        let all_above = |at: f64| line.cosine.level + line.cosine.slope * at > 0.0;
         match (all_above(stretch.from), all_above(stretch.to)) {
             (true, true) => return Some(stretch),
             (true, false) => (stretch.to, stretch.doubt_to) = (horizon, rounding),
@@ -185,12 +185,16 @@ impl<'a> Walk<'a> {
         let view = self.view;
         let mut ends: Vec<f64> = (1..PARTS).map(|i| from + (to - from) * (f64::from(i) / f64::from(PARTS))).collect();
         around_a_peak(-view.anchor[1], line.strip.y, from, to, &mut ends);
+        let emitted = |tau: f64| {
+            self.asked.set(self.asked.get() + 1);
+            emission(view.on_source(line.strip, tau) * view.unit)
+        };
+        jumps(from, to, emitted, &mut ends);
         ends.extend([from, to]);
         ends.sort_by(f64::total_cmp);
         ends.dedup();
         let integrand = |tau: f64| {
-            self.asked.set(self.asked.get() + 1);
-            let weighted = emission(view.on_source(line.strip, tau) * view.unit) * line.value(tau);
+            let weighted = emitted(tau) * line.value(tau);
             [weighted, weighted.abs()]
         };
         let demand = |sum: &[f64; 2]| Demand {
@@ -206,21 +210,48 @@ impl<'a> Walk<'a> {
     }
 }
 
+/// Finds where a function jumps, by halving where it changes much between samples: cheaper by far than by quadrature.
+/// What it misses is left to the rule's own error.
+fn jumps(from: f64, to: f64, f: impl Fn(f64) -> f64, found: &mut Vec<f64>) {
+    const SAMPLES: i32 = 64;
+    /// Of the range of all samples.
+    const MUCH: f64 = 0.04;
+    let at = |i: i32| from + (to - from) * ((f64::from(i) + 0.5) / f64::from(SAMPLES));
+    let samples: Vec<(f64, f64)> = (0..SAMPLES).map(|i| (at(i), f(at(i)))).collect();
+    let (low, high) =
+        samples.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (_, y)| (low.min(*y), high.max(*y)));
+    for pair in samples.windows(2) {
+        let (mut left, mut right) = (pair[0], pair[1]);
+        let step = (right.1 - left.1).abs();
+        // It may jump twice: then one of both is found here.
+        while (right.1 - left.1).abs() > (0.5 * step).max(MUCH * (high - low)) {
+            let middle = 0.5 * (left.0 + right.0);
+            if middle <= left.0 || middle >= right.0 {
+                found.push(middle);
+                break;
+            }
+            let here = (middle, f(middle));
+            if (here.1 - left.1).abs() < (here.1 - right.1).abs() {
+                left = here;
+            } else {
+                right = here;
+            }
+        }
+    }
+}
+
 /// The integrand on one strip.
 struct Line<'a> {
     strip: &'a Strip,
     height: f64,
     /// t of τ = 0.
     middle: f64,
-    /// n·r at τ = 0, and its slope.
-    level: f64,
-    slope: f64,
+    cosine: Cosine,
 }
 
 impl Line<'_> {
     fn new<'a>(view: &View, strip: &'a Strip) -> Line<'a> {
-        let (level, slope) = view.cosine(strip);
-        Line { strip, height: view.height, middle: view.anchor[1], level, slope }
+        Line { strip, height: view.height, middle: view.anchor[1], cosine: view.cosine(strip) }
     }
 
     fn value(&self, tau: f64) -> f64 {
@@ -228,19 +259,41 @@ impl Line<'_> {
         let square = t * t + self.strip.y * self.strip.y;
         // Ends at infinity belong to gaps that are none.
         if square.is_finite() {
-            self.height * PER_PI * (self.level + self.slope * tau).max(0.0) / (square * square)
+            self.height * PER_PI * (self.cosine.level + self.cosine.slope * tau).max(0.0) / (square * square)
         } else {
             0.0
         }
     }
 
-    /// What rounding of n·r, a few units in the last place of |r|, makes of the integral: close to the horizon much of it.
-    ///
-    /// ∫ h/(π (t² + c)^(3/2)) dt = h t/(π c √(t² + c))
+    /// What rounding of n·r makes of the integral: close to the horizon much of it.
     fn cosine_doubt(&self, from: f64, to: f64) -> f64 {
+        let Cosine { level_doubt, slope_doubt, .. } = self.cosine;
+        let off = if self.middle == 0.0 {
+            // ∫ |t| dt/(t² + c)² = t |t| / (2 c (t² + c))
+            let c = self.strip.y * self.strip.y;
+            let odd = |t: f64| t * t.abs() / (2.0 * c * (t * t + c));
+            level_doubt * self.even(from, to) + slope_doubt * (odd(to) - odd(from)).abs()
+        } else {
+            (level_doubt + slope_doubt * from.abs().max(to.abs())) * self.even(from, to)
+        };
+        off * self.height * PER_PI
+    }
+
+    /// ∫ dt/(t² + c)² from τ = `from` to `to`.
+    fn even(&self, from: f64, to: f64) -> f64 {
         let y = self.strip.y;
-        let [a, b] = [from, to].map(|tau| self.middle + tau).map(|t| t / t.hypot(y));
-        3.0 * f64::EPSILON * self.height * PER_PI * ((b - a) / (y * y)).max(0.0)
+        let c = y * y;
+        let (a, b) = (self.middle + from, self.middle + to);
+        let (aa, bb) = (a * a + c, b * b + c);
+        // Terms of one sign, or the difference of two that are far from equal if the ends are.
+        if a * b <= c {
+            let angle = ((b - a) * y).atan2(c + a * b);
+            ((b - a) * (c - a * b) / (aa * bb) + angle / y) / (2.0 * c)
+        } else {
+            let (near, far) = (a.abs().min(b.abs()), a.abs().max(b.abs()));
+            let tail = |t: f64| above_sine(2.0 * y.atan2(t));
+            (tail(near) - tail(far)) / (4.0 * c * y)
+        }
     }
 
     /// ∫ h (α + γ t)/(π (t² + c)²) dt from τ = `from` to `to`.
@@ -256,18 +309,10 @@ impl Line<'_> {
         }
         let (a, b) = (self.middle + from, self.middle + to);
         let (aa, bb) = (a * a + c, b * b + c);
-        // ∫ dt/(t² + c)²: terms of one sign, or the difference of two that are far from equal.
-        let even = if a * b <= c {
-            let angle = ((b - a) * y).atan2(c + a * b);
-            ((b - a) * (c - a * b) / (aa * bb) + angle / y) / (2.0 * c)
-        } else {
-            let (near, far) = (a.abs().min(b.abs()), a.abs().max(b.abs()));
-            let tail = |t: f64| above_sine(2.0 * y.atan2(t));
-            (tail(near) - tail(far)) / (4.0 * c * y)
-        };
+        let even = self.even(from, to);
         let odd = (b - a) * (b + a) / (2.0 * aa * bb);
-        let at_foot = self.level - self.slope * self.middle;
-        self.height * PER_PI * (at_foot * even + self.slope * odd)
+        let at_foot = self.cosine.level - self.cosine.slope * self.middle;
+        self.height * PER_PI * (at_foot * even + self.cosine.slope * odd)
     }
 }
 
@@ -301,7 +346,8 @@ mod tests {
                 [(-1.0, 1.0), (0.0, 1.0), (1e-5, 1.0), (0.01, 0.5), (-1.0, -1e-3), (0.3, 0.4), (-1e-7, 1.0)]
             {
                 let strip = Strip { sigma: 0.0, ahead: DVec3::Z, y, across: DVec3::Y };
-                let line = Line { strip: &strip, height: y, middle: 0.0, level: 2.0, slope: 0.5 };
+                let cosine = Cosine { level: 2.0, slope: 0.5, level_doubt: 0.0, slope_doubt: 0.0 };
+                let line = Line { strip: &strip, height: y, middle: 0.0, cosine };
                 let mut ends = Vec::new();
                 around_a_peak(0.0, 0.1 * y, from, to, &mut ends);
                 ends.extend([from, to]);

@@ -28,6 +28,9 @@ pub(super) struct View<'a> {
     pub middle: DVec3,
     /// How far off `height` may be, as a share of it.
     pub height_doubt: f64,
+    /// n·r at the anchor, and how far off it may be.
+    at_anchor: f64,
+    anchor_doubt: f64,
     pub outline: Outline,
     /// A sphere source's radius: light starts from its front.
     pub ball: Option<f64>,
@@ -71,6 +74,16 @@ pub(super) struct Strip {
     pub across: DVec3,
 }
 
+/// n·r along a strip: `level + slope τ`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cosine {
+    pub level: f64,
+    pub slope: f64,
+    /// How far off either may be.
+    pub level_doubt: f64,
+    pub slope_doubt: f64,
+}
+
 /// A stretch of a strip, in τ, with how far off either end may be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Stretch {
@@ -105,7 +118,7 @@ impl<'a> View<'a> {
             return None;
         }
         // Products of which one alone counts are not off; for a sphere, distance and silhouette make up for one another.
-        let height_doubt = if ball.is_some() { 0.0 } else { f64::EPSILON * down.abs().dot(middle.abs()) / height };
+        let height_doubt = if ball.is_some() { 0.0 } else { rounding(down, middle) / height };
         let off_foot = middle - down * middle.dot(down);
         let at_foot = ball.is_some() || off_foot.length() < 2.0 * reach;
         let blockers: Vec<Blocker> = occluders.iter().map(|body| Blocker::new(body, eye, unit)).collect();
@@ -133,8 +146,26 @@ impl<'a> View<'a> {
                 Outline::Circle(Round::new(if at_foot { off_foot } else { DVec3::ZERO }, reach, e1, e2))
             }
         };
+        let anchored = if at_foot { down * height } else { middle };
+        let at_anchor = n.dot(anchored);
+        let anchor_doubt = rounding(n, anchored);
         let anchor = if at_foot { [0.0, 0.0] } else { [middle.dot(e1), middle.dot(e2)] };
-        let mut view = View { n, down, height, e1, e2, anchor, middle, height_doubt, outline, ball, blockers, unit };
+        let mut view = View {
+            n,
+            down,
+            height,
+            e1,
+            e2,
+            anchor,
+            middle,
+            height_doubt,
+            at_anchor,
+            anchor_doubt,
+            outline,
+            ball,
+            blockers,
+            unit,
+        };
         let ranges: Vec<[f64; 2]> = view.blockers.iter().map(|b| breaks::range(&view, &b.form)).collect();
         for (blocker, range) in view.blockers.iter_mut().zip(ranges) {
             blocker.range = range;
@@ -221,10 +252,20 @@ impl<'a> View<'a> {
         }
     }
 
-    /// n·r along a strip: its value at τ = 0, and its slope.
-    pub fn cosine(&self, strip: &Strip) -> (f64, f64) {
-        (self.n.dot(self.point(strip, 0.0)), self.n.dot(self.e2))
+    /// n·r along a strip.
+    pub fn cosine(&self, strip: &Strip) -> Cosine {
+        Cosine {
+            level: self.at_anchor + strip.sigma * self.n.dot(self.e1),
+            slope: self.n.dot(self.e2),
+            level_doubt: self.anchor_doubt + strip.sigma.abs() * rounding(self.n, self.e1),
+            slope_doubt: rounding(self.n, self.e2),
+        }
     }
+}
+
+/// How far off a product of vectors may be: little where one coordinate alone counts, whatever cancels.
+fn rounding(a: DVec3, b: DVec3) -> f64 {
+    f64::EPSILON * a.abs().dot(b.abs())
 }
 
 impl Round {
