@@ -21,6 +21,7 @@ pub mod patch;
 mod penumbra;
 mod piece;
 mod point_factor;
+mod polynomial;
 mod quadrature;
 mod rim;
 mod trigonometric;
@@ -28,4 +29,5 @@ mod truth;
 
 pub use derivative::{Derivatives, Parameter, ParameterError, Parameters, Side};
 pub use exact::Oracle;
+pub use polynomial::ExitancePolynomial;
 pub use truth::{Method, Region, Truth};
