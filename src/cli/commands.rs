@@ -6,7 +6,7 @@ use super::exit;
 use super::options::{Check, Exact, List, Run};
 use super::progress::Bar;
 use crate::case::{self, Case, Ink, SelectError};
-use crate::oracle::{self, Oracle};
+use crate::oracle::{self, Derivatives, Oracle, Truth};
 use crate::report::{self, ExactCase, LimitsCase, ReportOptions, TableOptions};
 use crate::sampling::Strategy;
 use crate::statistics::Verdict;
@@ -140,21 +140,31 @@ fn exact_to_end(options: &Exact) -> Result<(), u8> {
     if options.limits {
         return limits(&cases);
     }
-    let truths: Vec<Vec<_>> = cases
-        .iter()
-        .map(|case| {
-            let oracle = Oracle::new(&case.configuration);
-            case.configuration.points().iter().map(|point| oracle.at(point)).collect()
-        })
-        .collect();
-    let rows = cases.iter().zip(&truths).map(|(case, truths)| ExactCase {
+    let mut truths: Vec<Vec<Truth>> = Vec::new();
+    let mut derivatives: Vec<Vec<Derivatives>> = Vec::new();
+    for case in &cases {
+        let oracle = Oracle::new(&case.configuration);
+        let points = case.configuration.points();
+        if options.derivative.is_empty() {
+            truths.push(points.iter().map(|point| oracle.at(point)).collect());
+            continue;
+        }
+        let parameters = oracle
+            .parameters(&case.configuration, &options.derivative)
+            .map_err(|error| fault(exit::USAGE, format!("{}: {error}", case.name)))?;
+        let found: Vec<Derivatives> = points.iter().map(|point| oracle.derivatives(point, &parameters)).collect();
+        truths.push(found.iter().map(|found| found.truth).collect());
+        derivatives.push(found);
+    }
+    let rows = cases.iter().zip(&truths).enumerate().map(|(i, (case, truths))| ExactCase {
         name: &case.name,
         albedo: case.configuration.albedo(),
         points: case.configuration.points(),
         truths,
+        derivatives: derivatives.get(i).map_or(&[], Vec::as_slice),
     });
     let mut text = Vec::new();
-    report::write_exact(&mut text, rows).map_err(|error| fault(exit::OUTPUT, error))?;
+    report::write_exact(&mut text, rows, &options.derivative).map_err(|error| fault(exit::OUTPUT, error))?;
     write_out(&text)
 }
 

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 
 use crate::case::{Replicates, SmallestBias};
+use crate::oracle::Parameter;
 use crate::sampling::Strategy;
 use crate::trial::{Effort, Overrides, Settings};
 
@@ -129,6 +130,10 @@ pub struct Exact {
     /// Where umbra and penumbra begin and end along each case's measured line, instead
     #[arg(long)]
     pub limits: bool,
+    /// Adds the exact derivatives of the irradiance with respect to numbers of the case, separated by commas: such as
+    /// source.0.center.x, occluder.1.radius, point.normal.z
+    #[arg(long, value_name = "PARAMETER", value_delimiter = ',', conflicts_with = "limits")]
+    pub derivative: Vec<Parameter>,
 }
 
 fn strategy(name: &str) -> Result<Strategy, String> {

@@ -52,9 +52,6 @@ pub(crate) trait Number:
     fn zero() -> Self {
         Self::constant(0.0)
     }
-    fn square(self) -> Self {
-        self * self
-    }
     fn abs(self) -> Self {
         if self.primal() < 0.0 { -self } else { self }
     }

@@ -8,12 +8,12 @@ use std::str::FromStr;
 
 use glam::DVec3;
 
-use super::exact::{BodyAt, Oracle, Sight};
-use super::form::{Form, Motion};
+use super::exact::{BodyAt, Oracle, Seen, Sight};
+use super::form::{self, Form, Motion};
 use super::truth::{Method, Truth};
 use crate::configuration::{Configuration, MeasurementPoint};
 use crate::geometry::Shape;
-use crate::number::{Dual, Vector};
+use crate::number::{Dual, Number, Vector, Wide};
 
 /// Parameters that one run over dual numbers carries along: two vectors of the widest registers, and few enough that
 /// asking for one does not cost as much as asking for many.
@@ -229,31 +229,9 @@ impl Oracle {
         let side = if touching { Side::One } else { Side::Both };
         let mut values = vec![0.0; parameters.count];
         for first in (0..parameters.count).step_by(LANES) {
-            let lane = |k: &usize| (first..first + LANES).contains(k).then(|| *k - first);
-            let effects = || parameters.effects.iter().filter_map(|(k, effect)| Some((lane(k)?, effect)));
-            let mut eye: Vector<Dual<LANES>> = Vector::constant(point.position() * self.scale);
-            let mut n: Vector<Dual<LANES>> = Vector::constant(point.normal());
-            for (lane, effect) in effects() {
-                match effect {
-                    Effect::Position(axis) => component(&mut eye, *axis).slopes[lane] += self.scale,
-                    Effect::Normal(axis) => {
-                        let unit = point.normal();
-                        let turn = DVec3::AXES[*axis] - unit * unit[*axis];
-                        for i in 0..3 {
-                            component(&mut n, i).slopes[lane] += turn[i];
-                        }
-                    }
-                    Effect::Body(..) | Effect::Exitance(_) => {}
-                }
-            }
-            let motions = |at: BodyAt| {
-                effects().filter_map(move |(lane, effect)| match effect {
-                    Effect::Body(of, motion) if *of == at => Some((lane, motion)),
-                    _ => None,
-                })
-            };
+            let lanes = Lanes { parameters, first };
             for (i, seen) in seen.iter().enumerate() {
-                for (lane, effect) in effects() {
+                for (lane, effect) in lanes.effects() {
                     if matches!(effect, Effect::Exitance(of) if *of == i) {
                         values[first + lane] += seen.visible.value;
                     }
@@ -261,27 +239,75 @@ impl Oracle {
                 if matches!(seen.sight, Sight::Hidden | Sight::Below) {
                     continue;
                 }
-                if seen.method == Method::Quadrature {
-                    return Derivatives { truth, values: None, side };
-                }
-                let form = |at: BodyAt| Form::moving(self.body(at), eye, motions(at));
-                let Some(factor) = self.factor(i, seen.shadow.as_ref(), n, form) else {
-                    return Derivatives { truth, values: None, side };
+                // What cancels in the value cancels in its slopes.
+                let slopes = match seen.method {
+                    Method::Quadrature => None,
+                    Method::ClosedForm if seen.is_wide => {
+                        let unit = Vector::constant(point.normal_as_given()).normalize();
+                        self.slopes::<Wide>(i, seen, point, unit, &lanes).map(|slopes| slopes.map(Wide::narrow))
+                    }
+                    Method::ClosedForm => {
+                        self.slopes::<f64>(i, seen, point, Vector::constant(point.normal()), &lanes)
+                    }
                 };
-                for (lane, slope) in factor.value.slopes.iter().enumerate().take(parameters.count - first) {
-                    values[first + lane] += self.sources[i].exitance * slope;
+                let Some(slopes) = slopes else { return Derivatives { truth, values: None, side } };
+                for (value, slope) in values[first..].iter_mut().zip(slopes) {
+                    *value += self.sources[i].exitance * slope;
                 }
             }
         }
         Derivatives { truth, values: Some(values), side }
     }
+
+    /// Slopes of one source's visible form factor.
+    ///
+    /// - `unit`: the receiver's unit normal
+    fn slopes<T: Number>(
+        &self,
+        source: usize,
+        seen: &Seen,
+        point: &MeasurementPoint,
+        unit: Vector<T>,
+        lanes: &Lanes,
+    ) -> Option<[T; LANES]> {
+        let constant = |x: T| Dual { value: x, slopes: [T::zero(); LANES] };
+        let mut eye = Vector::<Dual<LANES, T>>::constant(point.position()) * Dual::constant(self.scale);
+        let mut n = Vector::new(constant(unit.x), constant(unit.y), constant(unit.z));
+        for (lane, effect) in lanes.effects() {
+            match effect {
+                Effect::Position(axis) => form::push(&mut eye, lane, DVec3::AXES[*axis] * self.scale),
+                Effect::Normal(axis) => {
+                    let unit = point.normal();
+                    form::push(&mut n, lane, DVec3::AXES[*axis] - unit * unit[*axis]);
+                }
+                Effect::Body(..) | Effect::Exitance(_) => {}
+            }
+        }
+        let motions = |at: BodyAt| {
+            lanes.effects().filter_map(move |(lane, effect)| match effect {
+                Effect::Body(of, motion) if *of == at => Some((lane, motion)),
+                _ => None,
+            })
+        };
+        let form = |at: BodyAt| Form::moving(self.body(at), eye, motions(at));
+        self.factor(source, seen.shadow.as_ref(), n, form).map(|factor| factor.value.slopes)
+    }
 }
 
-fn component<const N: usize>(v: &mut Vector<Dual<N>>, axis: usize) -> &mut Dual<N> {
-    match axis {
-        0 => &mut v.x,
-        1 => &mut v.y,
-        _ => &mut v.z,
+/// The parameters that one run carries along.
+struct Lanes<'a> {
+    parameters: &'a Parameters,
+    first: usize,
+}
+
+impl Lanes<'_> {
+    fn effects(&self) -> impl Iterator<Item = (usize, &Effect)> {
+        let lanes = self.first..self.first + LANES;
+        self.parameters
+            .effects
+            .iter()
+            .filter(move |(k, _)| lanes.contains(k))
+            .map(|(k, effect)| (k - self.first, effect))
     }
 }
 

@@ -1,6 +1,5 @@
 //! The exact side of one configuration, ready to be asked anywhere.
 
-
 use super::body::Body;
 use super::form::Form;
 use super::front::{Blocking, Front};
@@ -62,6 +61,8 @@ pub(super) struct Seen {
     pub unoccluded: f64,
     pub sight: Sight,
     pub method: Method,
+    /// Whether it took numbers of twice the width.
+    pub is_wide: bool,
     /// What cuts it.
     pub shadow: Option<Shadow>,
     pub shadow_edge: bool,
@@ -86,6 +87,7 @@ impl Seen {
             unoccluded,
             sight,
             method: Method::ClosedForm,
+            is_wide: false,
             shadow: None,
             shadow_edge: false,
             touching: false,
@@ -150,8 +152,7 @@ impl Oracle {
                 method = Method::Quadrature;
             }
         }
-        let [whole, below, hidden, unclear] =
-            [Sight::Whole, Sight::Below, Sight::Hidden, Sight::Unclear].map(count);
+        let [whole, below, hidden, unclear] = [Sight::Whole, Sight::Below, Sight::Hidden, Sight::Unclear].map(count);
         let region = if whole == sources.len() {
             Region::Lit
         } else if below == sources.len() {
@@ -221,7 +222,10 @@ impl Oracle {
             }
         }
         let sight = if piece.is_cut { Sight::Part } else { Sight::Whole };
-        let whole = || Seen::new(self.sharpened(unoccluded, index, None, point), unoccluded.value, sight);
+        let whole = || {
+            let (visible, is_wide) = self.sharpened(unoccluded, index, None, point);
+            Seen { is_wide, ..Seen::new(visible, unoccluded.value, sight) }
+        };
         if blockers.is_empty() {
             return whole();
         }
@@ -252,10 +256,11 @@ impl Oracle {
         let told = seen.surely_seen && (seen.surely_hidden || piece.is_cut);
         let shadow = Shadow { outline: seen.outline, blockers, source_hidden: seen.source_hidden };
         let visible = Factor { value: own.value - shade.value, bound: own.bound + shade.bound };
-        let mut visible = self.sharpened(visible, index, Some(&shadow), point);
+        let (mut visible, is_wide) = self.sharpened(visible, index, Some(&shadow), point);
         visible.value = visible.value.clamp(0.0, unoccluded.value);
         visible.bound += doubt;
         Seen {
+            is_wide,
             shadow_edge: seen.shadow_edge,
             touching: seen.touching || doubt > 0.0,
             shadow: Some(shadow),
@@ -263,10 +268,16 @@ impl Oracle {
         }
     }
 
-    /// The same factor over numbers of twice the width, where its bound is too loose for its size.
-    fn sharpened(&self, plain: Factor, index: usize, shadow: Option<&Shadow>, point: &MeasurementPoint) -> Factor {
+    /// The same factor over numbers of twice the width, where its bound is too loose for its size; and whether it was.
+    fn sharpened(
+        &self,
+        plain: Factor,
+        index: usize,
+        shadow: Option<&Shadow>,
+        point: &MeasurementPoint,
+    ) -> (Factor, bool) {
         if plain.bound <= LOOSE * plain.value {
-            return plain;
+            return (plain, false);
         }
         let eye = Vector::constant(point.position()) * Wide::constant(self.scale);
         let n = Vector::constant(point.normal_as_given()).normalize();
@@ -274,9 +285,10 @@ impl Oracle {
         match self.factor(index, shadow, n, form) {
             Some(wide) => {
                 let value = wide.value.primal();
-                Factor { value, bound: 4.0 * f64::EPSILON * value.abs() + WIDE_EPSILON * plain.bound / f64::EPSILON }
+                let bound = 4.0 * f64::EPSILON * value.abs() + WIDE_EPSILON * plain.bound / f64::EPSILON;
+                (Factor { value, bound }, true)
             }
-            None => plain,
+            None => (plain, false),
         }
     }
 
@@ -319,20 +331,16 @@ fn by_strips(strips: Strips, unoccluded: Factor, piece: &Piece) -> Seen {
         _ => Sight::Part,
     };
     let visible = Factor { value: strips.value.clamp(0.0, unoccluded.value), bound: strips.error };
-    Seen {
-        shadow_edge: strips.hidden,
-        method: Method::Quadrature,
-        ..Seen::new(visible, unoccluded.value, sight)
-    }
+    Seen { shadow_edge: strips.hidden, method: Method::Quadrature, ..Seen::new(visible, unoccluded.value, sight) }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DVec3;
     use crate::configuration::Arrangement;
     use crate::geometry::{Disk, Polygon, Rectangle, Shape, Sphere};
     use crate::radiometry::Exitance;
+    use glam::DVec3;
     use proptest::prelude::*;
 
     fn vector(reach: f64) -> impl proptest::strategy::Strategy<Value = DVec3> {

@@ -59,9 +59,11 @@ impl<'a, T: Number> FlatForm<'a, T> {
     /// The unit normal of the corners as they are (Newell's sum), on the side of the shape's own.
     fn newell(&self) -> Vector<T> {
         let zero = Vector::constant(DVec3::ZERO);
-        let sum = self.shape.edges.iter().fold(zero, |sum, [i, j]| {
-            sum + self.line(0, *i as usize).cross(self.line(0, *j as usize))
-        });
+        let sum = self
+            .shape
+            .edges
+            .iter()
+            .fold(zero, |sum, [i, j]| sum + self.line(0, *i as usize).cross(self.line(0, *j as usize)));
         sum.normalize()
     }
 }
@@ -73,28 +75,27 @@ impl<'a> Form<'a, f64> {
 }
 
 impl<'a> Form<'a, Wide> {
-    /// To the digits of what was said of the body: normals are not the rounded ones.
+    /// To the digits of what was said of the body.
     pub fn refined(body: &'a Body, eye: Vector<Wide>) -> Form<'a, Wide> {
         let mut form = Form::seen(body, eye);
-        match (&mut form, &body.figure) {
-            (Form::Disk { normal, .. }, Figure::Disk { as_given, .. }) => *normal = Vector::constant(*as_given).normalize(),
-            (Form::Flat(flat), _) => flat.normal = flat.newell(),
-            _ => {}
-        }
+        form.refine(body);
         form
     }
 }
 
-impl<'a, const N: usize> Form<'a, Dual<N>> {
+impl<'a, const N: usize, T: Number> Form<'a, Dual<N, T>> {
     /// With the slopes of the motions that are asked for.
     ///
     /// - `motions`: (parameter, motion), the parameter below `N`
     pub fn moving<'m>(
         body: &'a Body,
-        eye: Vector<Dual<N>>,
+        eye: Vector<Dual<N, T>>,
         motions: impl Iterator<Item = (usize, &'m Motion)>,
-    ) -> Form<'a, Dual<N>> {
+    ) -> Form<'a, Dual<N, T>> {
         let mut form = Form::seen(body, eye);
+        if T::CANCELS_FREELY {
+            form.refine(body);
+        }
         for (k, motion) in motions {
             match (&mut form, motion) {
                 (Form::Disk { center, .. } | Form::Ball { center, .. }, Motion::Center(by)) => push(center, k, *by),
@@ -102,7 +103,9 @@ impl<'a, const N: usize> Form<'a, Dual<N>> {
                     let unit = normal.primal();
                     push(normal, k, *by - unit * unit.dot(*by));
                 }
-                (Form::Disk { radius, .. } | Form::Ball { radius, .. }, Motion::Radius(by)) => radius.slopes[k] += by,
+                (Form::Disk { radius, .. } | Form::Ball { radius, .. }, Motion::Radius(by)) => {
+                    radius.slopes[k] = radius.slopes[k] + *by;
+                }
                 (Form::Flat(flat), Motion::Corners(by)) => flat.push(k, |i| by[i]),
                 (Form::Flat(flat), Motion::Center(by)) => flat.push(k, |_| *by),
                 _ => unreachable!("a motion is made for its body"),
@@ -112,15 +115,15 @@ impl<'a, const N: usize> Form<'a, Dual<N>> {
             && flat.moved.is_some()
         {
             // Rounding of a recomputed normal must not turn decisions: only its slopes are taken over.
-            let (own, newell) = (flat.shape.normal, flat.newell());
-            let with = |value: f64, from: Dual<N>| Dual { value, slopes: from.slopes };
+            let (own, newell) = (flat.normal, flat.newell());
+            let with = |value: Dual<N, T>, slopes: Dual<N, T>| Dual { value: value.value, slopes: slopes.slopes };
             flat.normal = Vector::new(with(own.x, newell.x), with(own.y, newell.y), with(own.z, newell.z));
         }
         form
     }
 }
 
-impl<const N: usize> FlatForm<'_, Dual<N>> {
+impl<const N: usize, T: Number> FlatForm<'_, Dual<N, T>> {
     fn push(&mut self, k: usize, by: impl Fn(usize) -> DVec3) {
         let offsets = &self.shape.offsets;
         let moved = self.moved.get_or_insert_with(|| offsets.iter().map(|p| Vector::constant(*p)).collect());
@@ -134,13 +137,25 @@ impl<const N: usize> FlatForm<'_, Dual<N>> {
     }
 }
 
-fn push<const N: usize>(v: &mut Vector<Dual<N>>, k: usize, by: DVec3) {
-    v.x.slopes[k] += by.x;
-    v.y.slopes[k] += by.y;
-    v.z.slopes[k] += by.z;
+/// Adds to the slope of a vector with respect to one parameter.
+pub(super) fn push<const N: usize, T: Number>(v: &mut Vector<Dual<N, T>>, k: usize, by: DVec3) {
+    v.x.slopes[k] = v.x.slopes[k] + by.x;
+    v.y.slopes[k] = v.y.slopes[k] + by.y;
+    v.z.slopes[k] = v.z.slopes[k] + by.z;
 }
 
 impl<'a, T: Number> Form<'a, T> {
+    /// Unit normals are rounded; takes them from what they were made from.
+    fn refine(&mut self, body: &Body) {
+        match (self, &body.figure) {
+            (Form::Disk { normal, .. }, Figure::Disk { as_given, .. }) => {
+                *normal = Vector::constant(*as_given).normalize();
+            }
+            (Form::Flat(flat), _) => flat.normal = flat.newell(),
+            _ => {}
+        }
+    }
+
     fn seen(body: &'a Body, eye: Vector<T>) -> Form<'a, T> {
         match &body.figure {
             Figure::Disk { normal, radius, .. } => Form::Disk {

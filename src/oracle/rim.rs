@@ -1,7 +1,5 @@
 //! The rim of a disk (or the silhouette of a ball) as a curve of directions, and its contour integral.
 
-use std::f64::consts::TAU;
-
 use glam::DVec3;
 
 use crate::number::{Number, Vector};
@@ -204,7 +202,7 @@ impl Rim {
     #[cfg(test)]
     fn parameter(&self, direction: DVec3) -> f64 {
         let t = self.angle(Vector::constant(direction));
-        if t < 0.0 { t + TAU } else { t }
+        if t < 0.0 { t + std::f64::consts::TAU } else { t }
     }
 
     /// Signed angle (a sine; lower bound of its size up to the foreshortening at the far side) from the cone's mantle to
@@ -258,6 +256,7 @@ fn log1p_ratio<T: Number>(y: T) -> T {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f64::consts::TAU;
 
     fn of_disk(center: DVec3, normal: DVec3, radius: f64) -> Option<Rim> {
         Rim::of_disk(Vector::constant(center), Vector::constant(normal), radius)

@@ -77,23 +77,49 @@ pub(super) struct Table<R> {
     pub case: fn(&R) -> &str,
 }
 
+/// Columns that a user asked for by name, after a table's own.
+pub(super) struct MoreColumns<R> {
+    pub names: Vec<String>,
+    /// As many as there are names, or fewer: the rest stays empty.
+    pub values: fn(&R) -> Vec<Field>,
+}
+
 impl<R> Table<R> {
     /// Writes the header and all rows.
     pub fn write(&self, rows: impl IntoIterator<Item = R>, out: impl Write) -> Result<(), ReportError> {
+        self.write_with(rows, &[], out)
+    }
+
+    /// The same with further columns.
+    pub fn write_with(
+        &self,
+        rows: impl IntoIterator<Item = R>,
+        more: &[MoreColumns<R>],
+        out: impl Write,
+    ) -> Result<(), ReportError> {
         let failed = |source: std::io::Error| ReportError::Table { table: self.file, source };
         let mut writer = csv::Writer::from_writer(out);
-        writer.write_record(self.columns.iter().map(|c| c.name)).map_err(|e| failed(e.into()))?;
+        let more_names = more.iter().flat_map(|more| &more.names).map(String::as_str);
+        writer.write_record(self.columns.iter().map(|c| c.name).chain(more_names)).map_err(|e| failed(e.into()))?;
         let mut record = csv::StringRecord::new();
         for row in rows {
             record.clear();
-            for column in &self.columns {
-                let field = (column.value)(&row).written().map_err(|value| ReportError::NotFinite {
+            let written = |name: &str, field: Field| {
+                field.written().map_err(|value| ReportError::NotFinite {
                     table: self.file,
-                    column: column.name,
+                    column: name.to_owned(),
                     case: (self.case)(&row).to_owned(),
                     value,
-                })?;
-                record.push_field(&field);
+                })
+            };
+            for column in &self.columns {
+                record.push_field(&written(column.name, (column.value)(&row))?);
+            }
+            for more in more {
+                let mut values = (more.values)(&row).into_iter();
+                for name in &more.names {
+                    record.push_field(&written(name, values.next().unwrap_or(Field::Empty))?);
+                }
             }
             writer.write_record(&record).map_err(|e| failed(e.into()))?;
         }

@@ -18,7 +18,7 @@ pub enum ReportError {
     File { path: PathBuf, source: io::Error },
     /// A number that is due is NaN or infinite: a fault of whoever measured it, kept out of the report.
     #[error("{table}, column {column}: {value} is no finite number (row of case {case})")]
-    NotFinite { table: &'static str, column: &'static str, case: String, value: f64 },
+    NotFinite { table: &'static str, column: String, case: String, value: f64 },
     /// A table cannot be written to its destination (standard output, say).
     #[error("cannot write {table}: {source}")]
     Table { table: &'static str, source: io::Error },

@@ -3,10 +3,10 @@
 use std::io::Write;
 
 use super::ReportError;
-use super::column::{Column, Field, Table};
+use super::column::{Column, Field, MoreColumns, Table};
 use super::tables::column;
 use crate::configuration::MeasurementPoint;
-use crate::oracle::Truth;
+use crate::oracle::{Derivatives, Parameter, Truth};
 use crate::radiometry::Albedo;
 
 /// A case whose exact values are known.
@@ -17,6 +17,8 @@ pub struct ExactCase<'a> {
     pub points: &'a [MeasurementPoint],
     /// One for each point.
     pub truths: &'a [Truth],
+    /// One for each point, or none.
+    pub derivatives: &'a [Derivatives],
 }
 
 pub(super) struct ExactRow<'a> {
@@ -24,16 +26,44 @@ pub(super) struct ExactRow<'a> {
     point: usize,
     at: &'a MeasurementPoint,
     truth: &'a Truth,
+    derivatives: Option<&'a Derivatives>,
 }
 
 /// Writes one row for each point of each case, numbers with 17 significant digits.
-pub fn write_exact<'a>(out: impl Write, cases: impl IntoIterator<Item = ExactCase<'a>>) -> Result<(), ReportError> {
+///
+/// - `parameters`: those that the cases' derivatives are taken with respect to; each adds a column
+///   `d_PARAMETER_UNIT`, and `derivative_side` comes last: `both`, or `one` where outlines touch
+pub fn write_exact<'a>(
+    out: impl Write,
+    cases: impl IntoIterator<Item = ExactCase<'a>>,
+    parameters: &[Parameter],
+) -> Result<(), ReportError> {
     let rows = cases.into_iter().flat_map(|case| {
         assert_eq!(case.points.len(), case.truths.len(), "{}: one truth for each point", case.name);
         let points = case.points.iter().zip(case.truths).enumerate();
-        points.map(move |(point, (at, truth))| ExactRow { case, point, at, truth })
+        points.map(move |(point, (at, truth))| ExactRow {
+            case,
+            point,
+            at,
+            truth,
+            derivatives: case.derivatives.get(point),
+        })
     });
-    exact().write(rows, out)
+    let mut more: Vec<MoreColumns<ExactRow<'a>>> = Vec::new();
+    if !parameters.is_empty() {
+        more.push(MoreColumns {
+            names: parameters.iter().map(|p| format!("d_{p}_{}", p.unit_of_derivative())).collect(),
+            values: |row| match row.derivatives.and_then(|d| d.values.as_ref()) {
+                Some(values) => values.iter().map(|value| Field::Digits17(*value)).collect(),
+                None => Vec::new(),
+            },
+        });
+        more.push(MoreColumns {
+            names: vec!["derivative_side".to_owned()],
+            values: |row| row.derivatives.map(|d| Field::from(d.side.name())).into_iter().collect(),
+        });
+    }
+    exact().write_with(rows, &more, out)
 }
 
 pub(super) fn exact<'a>() -> Table<ExactRow<'a>> {
