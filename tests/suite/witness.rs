@@ -4,9 +4,10 @@ use std::path::Path;
 
 use etendue::Oracle;
 use etendue::configuration::{Arrangement, Configuration, MeasurementPoint, Source};
-use etendue::geometry::{DVec3, Disk, Rectangle, Shape, Sphere};
+use etendue::geometry::{DVec3, Disk, Mesh, Polygon, Rectangle, Shape, Sphere};
 use etendue::oracle::{ExitancePolynomial, Method, Region};
 use etendue::radiometry::Exitance;
+use proptest::prelude::*;
 
 use crate::exact::{Row, rows};
 
@@ -245,4 +246,80 @@ fn a_busy_texture_is_within_its_bound() {
     let error = (found.irradiance.watts_per_square_metre() - expected).abs();
     let bound = found.bound.watts_per_square_metre();
     assert!(error <= bound && bound < 1e-4, "error {error:.1e}, bound {bound:.1e}");
+}
+
+fn direction() -> impl Strategy<Value = DVec3> {
+    let x = || -1.0..1.0;
+    (x(), x(), x()).prop_map(|(x, y, z)| DVec3::new(x, y, z)).prop_filter("a direction", |v| v.length() > 0.1)
+}
+
+/// A disk, rectangle, sphere, concave polygon or (a box, as a mesh), of a size from tiny to many times the room's.
+fn body(reach: f64, with_mesh: bool) -> impl Strategy<Value = Shape> {
+    let kinds = if with_mesh { 5 } else { 4 };
+    (direction(), direction(), -2.5..1.0, 0.2..1.0, 0..kinds).prop_filter_map(
+        "a shape",
+        move |(c, axis, size, b, kind)| {
+            let center = c * reach + DVec3::Z;
+            let a = 0.3 * f64::powf(10.0, size);
+            let w = axis.normalize();
+            let u = w.any_orthonormal_vector();
+            let (u, v) = (u * a, w.cross(u) * (a * b));
+            Some(match kind {
+                0 => Shape::Disk(Disk::new(center, w, a).ok()?),
+                1 => Shape::Rectangle(Rectangle::new(center, u, v).ok()?),
+                2 => Shape::Sphere(Sphere::new(center, 0.5 * a).ok()?),
+                3 => Shape::Polygon(
+                    Polygon::new([u, v - u, u * -0.3, -v - u].iter().map(|p| center + *p).collect()).ok()?,
+                ),
+                _ => {
+                    let sign = |i: u32, k: u32| f64::from(i >> k & 1) - 0.5;
+                    let corners = (0..8).map(|i| center + u * sign(i, 0) + v * sign(i, 1) + w * (a * b * sign(i, 2)));
+                    let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+                    let faces = quads.iter().flat_map(|q| [[q[0], q[1], q[2]], [q[0], q[2], q[3]]]).collect();
+                    Shape::Mesh(Mesh::new(corners.collect(), faces).ok()?)
+                }
+            })
+        },
+    )
+}
+
+/// A point anywhere, or so close to the source's lit side that almost all of its light comes from what is right above.
+fn point(source: &Shape, place: DVec3, normal: DVec3, height: f64) -> Option<MeasurementPoint> {
+    let above = match source {
+        Shape::Disk(s) => Some((s.center(), s.normal())),
+        Shape::Rectangle(s) => Some((s.center() + s.edge_u() * 0.5, s.normal())),
+        Shape::Sphere(s) => Some((s.center() + normal.normalize() * s.radius(), normal.normalize())),
+        _ => None,
+    };
+    match above {
+        Some((on_source, up)) if height < 0.1 => {
+            MeasurementPoint::new(on_source + up * height, place * 0.6 - up).ok()
+        }
+        _ => MeasurementPoint::new(place, normal).ok(),
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
+    #[test]
+    fn both_ways_agree_in_extreme_places(
+        source in body(0.7, false),
+        occluders in proptest::collection::vec(body(1.0, true), 0..4),
+        (place, normal) in (direction(), direction()),
+        height in -6.0..1.0,
+    ) {
+        let Some(point) = point(&source, place, normal, f64::powf(10.0, height)) else { return Ok(()) };
+        let source = Source::new(source, Exitance::new(1.0)).unwrap();
+        let built = Configuration::new(vec![source], occluders, None, vec![point], Arrangement::Scattered);
+        let Ok(room) = built else { return Ok(()) };
+        let oracle = Oracle::new(&room);
+        let (first, second) = (oracle.at(&point), oracle.by_quadrature(&point));
+        let bounds = [&first, &second].map(|t| t.bound.watts_per_square_metre());
+        let [f, s] = [first.irradiance, second.irradiance].map(|e| e.watts_per_square_metre());
+        prop_assert!((0.0..1.000_000_1).contains(&s) && bounds[1] <= 1e-9, "{second:?}");
+        prop_assert!((f - s).abs() <= bounds[0] + bounds[1], "{f:e} {s:e} {first:?} {second:?}");
+        // The bounds are those of what is seen.
+        let [f, s] = [first.unoccluded_irradiance, second.unoccluded_irradiance].map(|e| e.watts_per_square_metre());
+        prop_assert!((f - s).abs() <= 1e-9 * f + 1e-15, "unoccluded {f:e} {s:e}: {first:?} {second:?}");
+    }
 }

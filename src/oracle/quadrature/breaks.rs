@@ -139,7 +139,11 @@ impl Found<'_> {
                 Form::Disk { center, normal, radius } => {
                     let circle = Circle { center: *center, normal: *normal, radius: *radius };
                     self.rim(owner, circle, &mut bounds);
-                    self.meeting(owner, *center, *normal, &mut bounds);
+                    let reach = radius * normal.cross(view.down).length();
+                    let depth = center.dot(view.down);
+                    if self.meets(depth - reach, depth + reach, *center, *radius) {
+                        self.meeting(owner, *center, *normal, &mut bounds);
+                    }
                 }
                 Form::Ball { center, radius } => {
                     let section = match view.ball {
@@ -160,7 +164,13 @@ impl Found<'_> {
                         }
                         bounds.extend(Curve::edge(p, q).map(|curve| self.bound(owner, curve)));
                     }
-                    self.meeting(owner, points[0], shape.normal, &mut bounds);
+                    let depths = points.iter().map(|p| p.dot(view.down));
+                    let (near, far) =
+                        depths.fold((f64::INFINITY, f64::NEG_INFINITY), |(n, f), d| (n.min(d), f.max(d)));
+                    let size = points.iter().map(|p| p.distance(points[0])).fold(0.0, f64::max);
+                    if self.meets(near, far, points[0], size) {
+                        self.meeting(owner, points[0], shape.normal, &mut bounds);
+                    }
                 }
             }
         }
@@ -181,7 +191,16 @@ impl Found<'_> {
         bounds.push(self.bound(owner, Curve::Circle(circle)));
     }
 
-    /// Where a flat occluder's plane meets the source, if it comes near enough to do so.
+    /// Whether what lies in a ball and between two depths may reach into the source, or its plane.
+    fn meets(&self, near: f64, far: f64, center: DVec3, radius: f64) -> bool {
+        let margin = 1e-9 * (center.length() + radius + self.view.height);
+        match self.view.ball {
+            Some(own) => center.distance(self.view.middle) <= own + radius + margin,
+            None => near <= self.view.height + margin && far >= self.view.height - margin,
+        }
+    }
+
+    /// Where a flat occluder's plane meets the source.
     fn meeting(&mut self, owner: Owner, anchor: DVec3, normal: DVec3, bounds: &mut Vec<Bound>) {
         let view = self.view;
         match view.ball {
@@ -307,7 +326,7 @@ fn silhouette_edges(view: &View) -> Vec<Vec<bool>> {
             shared.push(([a[0], a[1], a[2], b[0], b[1], b[2]], side, i, k));
         }
     }
-    shared.sort_by(|x, y| (x.0, x.2, x.3).cmp(&(y.0, y.2, y.3)));
+    shared.sort_by_key(|x| (x.0, x.2, x.3));
     for group in shared.chunk_by(|x, y| x.0 == y.0) {
         if let [(_, a, i, k), (_, b, j, l)] = group
             && a * b < 0.0

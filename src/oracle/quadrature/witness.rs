@@ -17,7 +17,7 @@ impl Oracle {
     ///
     /// - error: at most `bound`, in general below 1e-11 of the unoccluded value, and relative to the visible value where
     ///   little is seen; `bound` is stated, not hoped for: where the rule does not converge it is large
-    /// - cost: some 0.1 ms for one occluder; use [`Oracle::at`] where a closed form exists
+    /// - cost: some 0.3 ms with one occluder, 3 ms with sixteen; use [`Oracle::at`] where a closed form exists
     /// - a point within rounding of a source's plane sees nothing of it
     ///
     /// ```
@@ -55,7 +55,9 @@ impl Oracle {
     ///   uniform exitances are not used; the position is on the source to rounding
     /// - `form_factor` and `region` of the answer are those of the sources' shapes, whatever they emit
     /// - error: at most `bound`, below 1e-11 of ∫ |exitance| over what is above the horizon where the exitance is smooth
-    ///   or jumps along few lines; many jumps exhaust the work that is allowed, and `bound` says how far it came
+    ///   or jumps along few lines; many jumps exhaust the work that is allowed (seconds), and `bound` says how far it
+    ///   came: to 1e-5 for a checkerboard of 36 fields
+    /// - cost: some 10 ms with one occluder
     /// - features narrower than a hundredth of a source may go unseen; an exitance that is not a finite number counts
     ///   as none and makes the bound infinite
     ///
