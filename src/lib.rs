@@ -81,6 +81,7 @@ pub mod cli;
 pub mod configuration;
 pub mod estimator;
 pub mod geometry;
+mod number;
 pub mod oracle;
 pub mod radiometry;
 pub mod report;

@@ -49,6 +49,7 @@ impl Source {
 pub struct MeasurementPoint {
     position: DVec3,
     normal: DVec3,
+    as_given: DVec3,
 }
 
 impl MeasurementPoint {
@@ -57,6 +58,7 @@ impl MeasurementPoint {
         Ok(MeasurementPoint {
             position: crate::geometry::finite_point("position", position)?,
             normal: crate::geometry::unit("normal", normal)?,
+            as_given: normal,
         })
     }
     /// Metres.
@@ -66,6 +68,10 @@ impl MeasurementPoint {
     /// Unit vector towards the receiving side.
     pub fn normal(&self) -> DVec3 {
         self.normal
+    }
+    /// The normal to the digits it was given with, of any length: [`MeasurementPoint::normal`] is rounded.
+    pub fn normal_as_given(&self) -> DVec3 {
+        self.as_given
     }
 }
 

@@ -97,6 +97,7 @@ pub(crate) fn unit(field: &'static str, v: DVec3) -> Result<DVec3, ShapeError> {
 pub struct Disk {
     center: DVec3,
     normal: DVec3,
+    as_given: DVec3,
     radius: f64,
 }
 
@@ -106,6 +107,7 @@ impl Disk {
         Ok(Disk {
             center: finite("center", center)?,
             normal: unit("normal", normal)?,
+            as_given: normal,
             radius: positive("radius", radius)?,
         })
     }
@@ -116,6 +118,10 @@ impl Disk {
     /// Unit vector towards the lit side.
     pub fn normal(&self) -> DVec3 {
         self.normal
+    }
+    /// The normal to the digits it was given with, of any length: [`Disk::normal`] is rounded.
+    pub fn normal_as_given(&self) -> DVec3 {
+        self.as_given
     }
     /// Metres.
     pub fn radius(&self) -> f64 {

@@ -16,7 +16,12 @@ pub(super) struct Body {
 
 #[derive(Clone, Debug)]
 pub(super) enum Figure {
-    Disk { normal: DVec3, radius: f64 },
+    Disk {
+        normal: DVec3,
+        /// The same direction to the digits it was given with, of any length.
+        as_given: DVec3,
+        radius: f64,
+    },
     Ball { radius: f64 },
     Flat(Flat),
 }
@@ -41,7 +46,11 @@ impl Body {
     pub fn of_shape(shape: &Shape, scale: f64) -> Vec<Body> {
         match shape {
             Shape::Disk(s) => {
-                let figure = Figure::Disk { normal: s.normal(), radius: s.radius() * scale };
+                let figure = Figure::Disk {
+                    normal: s.normal(),
+                    as_given: s.normal_as_given(),
+                    radius: s.radius() * scale,
+                };
                 vec![Body { figure, center: s.center() * scale, reach: s.radius() * scale }]
             }
             Shape::Sphere(s) => vec![Body::of_ball(s, scale)],

@@ -8,7 +8,12 @@
 
 mod body;
 mod crossing;
+mod derivative;
+#[cfg(test)]
+mod derivative_tests;
 mod exact;
+mod form;
+mod front;
 mod great_arc;
 pub mod limits;
 mod outline;
@@ -16,10 +21,13 @@ pub mod patch;
 mod penumbra;
 mod piece;
 mod point_factor;
+mod polynomial;
 mod quadrature;
 mod rim;
 mod trigonometric;
 mod truth;
 
+pub use derivative::{Derivatives, Parameter, ParameterError, Parameters, Side};
 pub use exact::Oracle;
+pub use polynomial::ExitancePolynomial;
 pub use truth::{Method, Region, Truth};

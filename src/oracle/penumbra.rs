@@ -16,9 +16,10 @@
 
 use glam::DVec3;
 
-use super::crossing::crossings;
+use super::crossing::{self, crossings};
 use super::piece::{Curve, Piece};
 use super::rim::Term;
+use crate::number::{Number, Vector};
 
 /// Where on a sub-arc to ask: irregular, so that no symmetry of a case puts a contact on every one of them.
 const PROBES: [f64; 5] = [0.4142, 0.7321, 0.2361, 0.8541, 0.0902];
@@ -28,7 +29,7 @@ const CLEAR: f64 = 1e-7;
 const DOUBTFUL: f64 = 16.0 * f64::EPSILON;
 
 /// What is left of a source, as contour terms (each still to be divided by 2π).
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Visible {
     /// Over the seen parts of the source's own boundary.
     pub source: Term,
@@ -42,12 +43,146 @@ pub(super) struct Visible {
     /// Whether something beyond doubt is seen, and is hidden.
     pub surely_seen: bool,
     pub surely_hidden: bool,
+    /// Whether curves touch, or lie on one another, where light passes: moved a little, they would part or cross.
+    pub touching: bool,
+    /// The visible part's boundary.
+    pub outline: Outline,
 }
 
+/// The boundary of a visible part: which stretches of which curves it is made of. From this the same contour can be run
+/// over any number.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Outline {
+    arcs: Vec<OutlineArc>,
+}
+
+#[derive(Clone, Debug)]
+struct OutlineArc {
+    curve: CurveAt,
+    from: Stop,
+    to: Stop,
+    /// Radians of the curve's parameter between the stops.
+    length: f64,
+}
+
+/// A curve by its place: in which piece (0 is the source, j the occluder j − 1), and where in that.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+struct CurveAt {
+    piece: usize,
+    index: usize,
+}
+
+/// Where a stretch of a curve ends.
+#[derive(Clone, Copy, Debug)]
+enum Stop {
+    /// Nowhere: a whole turn.
+    Anywhere,
+    Start,
+    End,
+    /// Where another curve crosses it, near a direction.
+    Crossing { other: CurveAt, near: DVec3 },
+    /// Where another curve on the same circle starts or ends.
+    StartOf { other: CurveAt },
+    EndOf { other: CurveAt },
+}
+
+impl Visible {
+    pub fn nothing_seen(&self) -> bool {
+        !self.source_seen && !self.shadow_edge
+    }
+    pub fn nothing_hidden(&self) -> bool {
+        !self.source_hidden && !self.shadow_edge
+    }
+}
+
+impl Outline {
+    /// The pieces whose curves it needs.
+    pub fn pieces(&self) -> Vec<usize> {
+        let of = |stop: &Stop| match stop {
+            Stop::Crossing { other, .. } | Stop::StartOf { other } | Stop::EndOf { other } => Some(other.piece),
+            Stop::Anywhere | Stop::Start | Stop::End => None,
+        };
+        let mut list: Vec<usize> =
+            self.arcs.iter().flat_map(|arc| [Some(arc.curve.piece), of(&arc.from), of(&arc.to)]).flatten().collect();
+        list.sort_unstable();
+        list.dedup();
+        list
+    }
+
+    /// Names the shadow's topology: which stretches there are, not where they lie.
+    pub fn topology(&self, hasher: &mut impl std::hash::Hasher) {
+        use std::hash::Hash;
+        for arc in &self.arcs {
+            arc.curve.hash(hasher);
+            for stop in [&arc.from, &arc.to] {
+                std::mem::discriminant(stop).hash(hasher);
+                if let Stop::Crossing { other, .. } | Stop::StartOf { other } | Stop::EndOf { other } = stop {
+                    other.hash(hasher);
+                }
+            }
+        }
+    }
+
+    /// The contour over the source's own stretches and over the occluders'. `None` where a piece over this number is not
+    /// made of the same curves.
+    ///
+    /// - `pieces`: at least those that are needed, with as many curves as the outline's own had
+    pub fn contour<T: Number>(&self, n: Vector<T>, pieces: &[Option<Piece<T>>]) -> Option<[Term<T>; 2]> {
+        let curve = |at: CurveAt| pieces.get(at.piece)?.as_ref()?.curves.get(at.index);
+        let mut sums = [Term::default(), Term::default()];
+        for arc in &self.arcs {
+            let own = curve(arc.curve)?;
+            let stop = |stop: &Stop| {
+                Some(match stop {
+                    Stop::Anywhere => T::zero(),
+                    Stop::Start => own.range().0,
+                    Stop::End => own.range().1,
+                    Stop::Crossing { other, near } => {
+                        // In one order, whichever of the two asks: both are given the same direction.
+                        let [a, b] = if arc.curve < *other { [own, curve(*other)?] } else { [curve(*other)?, own] };
+                        own.parameter(crossing::refined(a, b, *near))
+                    }
+                    Stop::StartOf { other } => {
+                        let other = curve(*other)?;
+                        own.parameter(other.point(other.range().0))
+                    }
+                    Stop::EndOf { other } => {
+                        let other = curve(*other)?;
+                        own.parameter(other.point(other.range().1))
+                    }
+                })
+            };
+            let (from, mut to) = match (&arc.from, &arc.to) {
+                (Stop::Anywhere, _) => (T::zero(), T::turn()),
+                (from, to) => (stop(from)?, stop(to)?),
+            };
+            let turns = ((arc.length - (to - from).primal()) / std::f64::consts::TAU).round();
+            to = to + T::turn() * turns;
+            sums[usize::from(arc.curve.piece > 0)] += own.contour(n, from, to);
+        }
+        Some(sums)
+    }
+}
+
+#[derive(Clone, Copy)]
 struct Boundary<'a> {
-    /// 0 is the source, j the occluder j − 1.
-    owner: usize,
+    at: CurveAt,
     curve: &'a Curve,
+}
+
+/// A place on a curve, and what put it there.
+#[derive(Clone, Copy)]
+struct Split {
+    curve: usize,
+    t: f64,
+    by: By,
+}
+
+#[derive(Clone, Copy)]
+enum By {
+    Start,
+    End,
+    Curve(usize),
 }
 
 /// Two curves on one circle.
@@ -74,32 +209,43 @@ pub(super) fn visible(n: DVec3, source: &Piece, occluders: &[Piece]) -> Visible 
     let boundaries: Vec<Boundary> = pieces
         .iter()
         .enumerate()
-        .flat_map(|(owner, piece)| piece.curves.iter().map(move |curve| Boundary { owner, curve }))
+        .flat_map(|(piece, p)| {
+            p.curves.iter().enumerate().map(move |(index, curve)| Boundary { at: CurveAt { piece, index }, curve })
+        })
         .collect();
-    let mut splits: Vec<(usize, f64)> = Vec::with_capacity(4 * boundaries.len());
+    let mut splits: Vec<Split> = Vec::with_capacity(4 * boundaries.len());
     let mut together: Vec<Together> = Vec::new();
+    let mut touching: Vec<usize> = Vec::new();
     for (i, a) in boundaries.iter().enumerate() {
         for (j, b) in boundaries.iter().enumerate().skip(i + 1) {
-            if a.owner == b.owner {
+            if a.at.piece == b.at.piece {
                 continue;
             }
-            let alike = crossings(a.curve, b.curve, |s, t| splits.extend([(i, s), (j, t)]));
-            together.extend(alike.map(|alike| Together { curves: [i, j], alike }));
+            let meeting = crossings(a.curve, b.curve, |s, t| {
+                splits.extend([Split { curve: i, t: s, by: By::Curve(j) }, Split { curve: j, t, by: By::Curve(i) }]);
+            });
+            together.extend(meeting.along.map(|alike| Together { curves: [i, j], alike }));
+            if meeting.touching && meeting.along.is_none() {
+                touching.extend([i, j]);
+            }
         }
     }
     for (i, boundary) in boundaries.iter().enumerate() {
         if !boundary.curve.is_closed() {
             let (from, to) = boundary.curve.range();
-            splits.extend([(i, from), (i, to)]);
+            splits.extend([
+                Split { curve: i, t: from, by: By::Start },
+                Split { curve: i, t: to, by: By::End },
+            ]);
         }
     }
-    splits.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    splits.sort_by(|a, b| a.curve.cmp(&b.curve).then(a.t.total_cmp(&b.t)));
 
-    let contour = Contour { n, pieces, boundaries, together };
+    let contour = Contour { n: Vector::constant(n), pieces, boundaries, together, touching };
     let mut sum = Visible::default();
     let mut rest = splits.as_slice();
     for i in 0..contour.boundaries.len() {
-        let (own, others) = rest.split_at(rest.partition_point(|s| s.0 == i));
+        let (own, others) = rest.split_at(rest.partition_point(|s| s.curve == i));
         rest = others;
         contour.add_curve(i, own, &mut sum);
     }
@@ -107,68 +253,109 @@ pub(super) fn visible(n: DVec3, source: &Piece, occluders: &[Piece]) -> Visible 
 }
 
 struct Contour<'a> {
-    n: DVec3,
+    n: Vector<f64>,
     pieces: Vec<&'a Piece>,
     boundaries: Vec<Boundary<'a>>,
     together: Vec<Together>,
+    /// Curves that touch another.
+    touching: Vec<usize>,
 }
 
 impl Contour<'_> {
-    fn add_curve(&self, i: usize, splits: &[(usize, f64)], sum: &mut Visible) {
+    fn add_curve(&self, i: usize, splits: &[Split], sum: &mut Visible) {
         let curve = self.boundaries[i].curve;
         if curve.is_closed() {
             let turn = std::f64::consts::TAU;
             match splits {
-                [] => self.add_arc(i, 0.0, turn, sum),
-                [.., last] => self.add_arc(i, last.1 - turn, splits[0].1, sum),
+                [] => {
+                    let whole = Split { curve: i, t: 0.0, by: By::Start };
+                    self.add_arc(whole, Split { t: turn, by: By::End, ..whole }, sum);
+                }
+                [first, .., last] => self.add_arc(Split { t: last.t - turn, ..*last }, *first, sum),
+                [only] => self.add_arc(Split { t: only.t - turn, ..*only }, *only, sum),
             }
         }
         for pair in splits.windows(2) {
-            self.add_arc(i, pair[0].1, pair[1].1, sum);
+            self.add_arc(pair[0], pair[1], sum);
         }
     }
 
-    fn add_arc(&self, i: usize, from: f64, to: f64, sum: &mut Visible) {
+    /// The stretch between two neighbouring splits of a curve: seen or not, edge or not.
+    fn add_arc(&self, begin: Split, end: Split, sum: &mut Visible) {
+        let (i, from, to) = (begin.curve, begin.t, end.t);
         if to - from <= 2.0 * f64::EPSILON * from.abs().max(to.abs()) {
             return;
         }
-        let own = self.boundaries[i].owner;
-        let mut arc = Arc { contour: self, curve: i, from, to, nearest: f64::INFINITY };
-        if own == 0 {
+        let Boundary { at, curve } = self.boundaries[i];
+        let mut arc = Arc { contour: self, curve: i, from, to, nearest: f64::INFINITY, along: false };
+        let term = || curve.contour(self.n, from, to);
+        if at.piece == 0 {
             let hidden = (1..self.pieces.len()).any(|j| matches!(arc.side(j), Side::Inside | Side::Along));
             let doubtful = arc.nearest < DOUBTFUL;
+            sum.touching |= arc.along;
             if hidden {
                 sum.source_hidden = true;
                 sum.surely_hidden |= !doubtful;
             } else {
                 sum.source_seen = true;
                 sum.surely_seen |= !doubtful;
-                sum.source += self.boundaries[i].curve.contour(self.n, from, to);
+                sum.source += term();
+                self.keep(begin, end, sum);
             }
             if doubtful {
-                sum.doubt += self.boundaries[i].curve.contour(self.n, from, to).value.abs();
+                sum.doubt += term().value.abs();
             }
             return;
         }
         if arc.side(0) == Side::Inside {
-            let edge = (1..self.pieces.len()).filter(|j| *j != own).all(|j| match arc.side(j) {
+            let edge = (1..self.pieces.len()).filter(|j| *j != at.piece).all(|j| match arc.side(j) {
                 Side::Inside | Side::Against => false,
                 Side::Outside => true,
-                Side::Along => own < j,
+                Side::Along => at.piece < j,
             });
             let doubtful = arc.nearest < DOUBTFUL;
+            sum.touching |= arc.along;
             if edge {
                 sum.shadow_edge = true;
                 sum.surely_seen |= !doubtful;
                 sum.surely_hidden |= !doubtful;
-                sum.occluders += self.boundaries[i].curve.contour(self.n, from, to);
+                sum.occluders += term();
+                self.keep(begin, end, sum);
             }
             if doubtful {
-                sum.doubt += self.boundaries[i].curve.contour(self.n, from, to).value.abs();
+                sum.doubt += term().value.abs();
             }
         } else if arc.nearest < DOUBTFUL {
-            sum.doubt += self.boundaries[i].curve.contour(self.n, from, to).value.abs();
+            sum.doubt += term().value.abs();
         }
+    }
+
+    fn keep(&self, begin: Split, end: Split, sum: &mut Visible) {
+        let Boundary { at, curve } = self.boundaries[begin.curve];
+        let range = curve.range();
+        let stop = |split: Split| match split.by {
+            _ if !curve.is_closed() && split.t == range.0 => Stop::Start,
+            _ if !curve.is_closed() && split.t == range.1 => Stop::End,
+            _ if curve.is_closed() && matches!(split.by, By::Start | By::End) => Stop::Anywhere,
+            By::Start => Stop::Start,
+            By::End => Stop::End,
+            By::Curve(j) => {
+                let Boundary { at: other, curve: crossed } = self.boundaries[j];
+                let point = curve.point(split.t);
+                let together = self.together.iter().any(|pair| {
+                    pair.curves == [begin.curve, j] || pair.curves == [j, begin.curve]
+                });
+                if !together {
+                    return Stop::Crossing { other, near: point.primal().normalize() };
+                }
+                let (start, end) = crossed.range();
+                let off = |t: f64| (crossed.point(t).normalize() - point.normalize()).length_squared();
+                if off(start) < off(end) { Stop::StartOf { other } } else { Stop::EndOf { other } }
+            }
+        };
+        let arc = OutlineArc { curve: at, from: stop(begin), to: stop(end), length: end.t - begin.t };
+        sum.touching |= self.touching.contains(&begin.curve);
+        sum.outline.arcs.push(arc);
     }
 }
 
@@ -180,6 +367,8 @@ struct Arc<'a> {
     to: f64,
     /// The least decisive of the distances that decided.
     nearest: f64,
+    /// Whether it lies on another outline.
+    along: bool,
 }
 
 impl Arc<'_> {
@@ -195,14 +384,15 @@ impl Arc<'_> {
                 continue;
             };
             let direction = curve.point(0.5 * (self.from + self.to));
-            if boundaries[other].owner == piece && covers(boundaries[other].curve, direction) {
+            if boundaries[other].at.piece == piece && covers(boundaries[other].curve, direction) {
+                self.along = true;
                 return if *alike { Side::Along } else { Side::Against };
             }
         }
         let mut decisive: f64 = 0.0;
         for share in PROBES {
             let direction = curve.point(self.from + (self.to - self.from) * share).normalize();
-            let margin = pieces[piece].margin(direction);
+            let margin = pieces[piece].margin(direction.primal());
             if margin.abs() > decisive.abs() {
                 decisive = margin;
             }
@@ -216,13 +406,13 @@ impl Arc<'_> {
 }
 
 /// Whether a direction on a curve's circle lies between the curve's ends.
-fn covers(curve: &Curve, direction: DVec3) -> bool {
+fn covers(curve: &Curve, direction: Vector<f64>) -> bool {
     let (from, to) = curve.range();
     match curve {
         Curve::Straight(arc) => (from..=to).contains(&arc.parameter(direction)),
         Curve::Round { rim, .. } => {
-            let t = rim.parameter(direction);
-            (-1..=1).any(|turn| (from..=to).contains(&(t + f64::from(turn) * std::f64::consts::TAU)))
+            let t = rim.angle(direction);
+            (-2..=2).any(|turn| (from..=to).contains(&(t + f64::from(turn) * std::f64::consts::TAU)))
         }
     }
 }

@@ -4,91 +4,91 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
-use super::body::{Body, Figure, Flat};
+use super::form::{FlatForm, Form, HalfSpace};
 use super::great_arc::GreatArc;
 use super::rim::{Rim, RimCut, Term};
-use crate::geometry::Frame;
+use crate::number::{Number, Vector};
 
 /// A part of the boundary of a set of directions; the set lies to its left (`r × dr`).
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Curve {
-    Straight(GreatArc),
+pub(super) enum Curve<T = f64> {
+    Straight(GreatArc<T>),
     /// `from ≤ t ≤ to`, at most one turn.
     Round {
-        rim: Rim,
-        from: f64,
-        to: f64,
+        rim: Rim<T>,
+        from: T,
+        to: T,
     },
 }
 
-impl Curve {
-    pub fn range(&self) -> (f64, f64) {
+impl<T: Number> Curve<T> {
+    pub fn range(&self) -> (T, T) {
         match self {
-            Curve::Straight(arc) => (0.0, arc.length),
+            Curve::Straight(arc) => (T::zero(), arc.length),
             Curve::Round { from, to, .. } => (*from, *to),
         }
     }
     /// Not unit on a rim.
-    pub fn point(&self, t: f64) -> DVec3 {
+    pub fn point(&self, t: T) -> Vector<T> {
         match self {
             Curve::Straight(arc) => arc.point(t),
             Curve::Round { rim, .. } => rim.point(t),
         }
     }
-    pub fn contour(&self, n: DVec3, from: f64, to: f64) -> Term {
+    /// The parameter (on a rim: up to whole turns) of a direction on the curve.
+    pub fn parameter(&self, direction: Vector<T>) -> T {
+        match self {
+            Curve::Straight(arc) => arc.parameter(direction),
+            Curve::Round { rim, .. } => rim.angle(direction),
+        }
+    }
+    pub fn contour(&self, n: Vector<T>, from: T, to: T) -> Term<T> {
         match self {
             Curve::Straight(arc) => arc.contour(n, from, to),
             Curve::Round { rim, .. } => rim.contour(n, from, to),
         }
     }
     pub fn is_closed(&self) -> bool {
-        matches!(self, Curve::Round { from, to, .. } if to - from >= TAU)
+        matches!(self, Curve::Round { from, to, .. } if (*to - *from).primal() >= TAU)
     }
 }
 
 /// Directions that meet a surface.
 #[derive(Clone, Debug)]
-pub(super) struct Piece {
-    pub curves: Vec<Curve>,
+pub(super) struct Piece<T = f64> {
+    pub curves: Vec<Curve<T>>,
     /// Whether a half-space took something away.
     pub is_cut: bool,
-    inside: Inside,
+    inside: Inside<T>,
 }
 
 #[derive(Clone, Debug)]
-enum Inside {
+enum Inside<T> {
     /// In the cone and, where it is cut, on the side of the plane through the origin.
-    Round { rim: Rim, cut: Option<DVec3> },
+    Round { rim: Rim<T>, cut: Option<Vector<T>> },
     /// In the silhouette's part before a plane, or in the disk in which the ball meets that plane.
-    Cap { silhouette: Rim, cut: DVec3, section: Rim },
+    Cap { silhouette: Rim<T>, cut: Vector<T>, section: Rim<T> },
     /// Left of all edges.
     Convex,
     /// Even-odd among the edges (as [from, to] in the plane one unit away): corners are computed once, so that the edges
     /// which share one agree on which side of it a direction passes.
-    EvenOdd { axis: DVec3, u: DVec3, v: DVec3, edges: Vec<[[f64; 2]; 2]> },
-}
-
-/// A half-space `normal · r + k ≥ 0`.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct HalfSpace {
-    pub normal: DVec3,
-    pub k: f64,
+    EvenOdd { axis: Vector<T>, u: Vector<T>, v: Vector<T>, edges: Vec<[[f64; 2]; 2]> },
 }
 
 impl Piece {
     /// Signed angle from the boundary to a unit direction, positive inside; its size is a lower bound, tight near the
     /// boundary.
     pub fn margin(&self, d: DVec3) -> f64 {
+        let on = |plane: &Vector<f64>| plane.dot(Vector::constant(d));
         match &self.inside {
             Inside::Round { rim, cut: None } => rim.margin(d),
-            Inside::Round { rim, cut: Some(plane) } => rim.margin(d).min(plane.dot(d)),
-            Inside::Cap { silhouette, cut, section } => silhouette.margin(d).min(cut.dot(d)).max(section.margin(d)),
-            Inside::Convex => self.arcs().map(|arc| arc.normal.dot(d)).fold(f64::INFINITY, f64::min),
+            Inside::Round { rim, cut: Some(plane) } => rim.margin(d).min(on(plane)),
+            Inside::Cap { silhouette, cut, section } => silhouette.margin(d).min(on(cut)).max(section.margin(d)),
+            Inside::Convex => self.arcs().map(|arc| on(&arc.normal)).fold(f64::INFINITY, f64::min),
             Inside::EvenOdd { axis, u, v, edges } => {
                 let nearest = self.arcs().map(|arc| arc.distance(d)).fold(f64::INFINITY, f64::min);
-                let depth = d.dot(*axis);
-                let ahead = depth > 0.0;
-                if ahead && is_inside(edges, [d.dot(*u) / depth, d.dot(*v) / depth]) { nearest } else { -nearest }
+                let depth = on(axis);
+                if depth > 0.0 && is_inside(edges, [on(u) / depth, on(v) / depth]) { nearest } else { -nearest }
             }
         }
     }
@@ -99,29 +99,29 @@ impl Piece {
             Curve::Round { .. } => None,
         })
     }
+}
 
+impl<T: Number> Piece<T> {
     /// What can be seen of a blocking body before a plane that does not pass through the eye. `None` where nothing is
     /// left, or it is seen edge-on, or the eye is inside the ball.
-    pub fn of_occluder(body: &Body, eye: DVec3, keep: Option<HalfSpace>) -> Option<Piece> {
-        let center = body.center - eye;
-        match (&body.figure, keep) {
-            (Figure::Disk { normal, radius }, _) => round(Rim::of_disk(center, *normal, *radius)?, keep),
-            (Figure::Ball { radius }, None) => round(Rim::of_silhouette(center, *radius)?, None),
-            (Figure::Ball { radius }, Some(keep)) => ball(center, *radius, keep),
-            (Figure::Flat(shape), _) => flat(shape, eye, keep),
+    pub fn of_occluder(form: &Form<T>, keep: Option<HalfSpace<T>>) -> Option<Piece<T>> {
+        match (form, keep) {
+            (Form::Disk { center, normal, radius }, _) => round(Rim::of_disk(*center, *normal, *radius)?, keep),
+            (Form::Ball { center, radius }, None) => round(Rim::of_silhouette(*center, *radius)?, None),
+            (Form::Ball { center, radius }, Some(keep)) => ball(*center, *radius, keep),
+            (Form::Flat(form), _) => flat(form, keep),
         }
     }
 
     /// What can be seen of an emitting body above the horizon. `None` where nothing is left.
     ///
     /// - `n`: the receiver's unit normal
-    pub fn of_source(body: &Body, eye: DVec3, n: DVec3) -> Option<Piece> {
-        let above = Some(HalfSpace { normal: n, k: 0.0 });
-        let center = body.center - eye;
-        match &body.figure {
-            Figure::Disk { normal, radius } => round(Rim::of_disk(center, *normal, *radius)?, above),
-            Figure::Ball { radius } => round(Rim::of_silhouette(center, *radius)?, above),
-            Figure::Flat(shape) => flat(shape, eye, above),
+    pub fn of_source(form: &Form<T>, n: Vector<T>) -> Option<Piece<T>> {
+        let above = Some(HalfSpace { normal: n, k: T::zero() });
+        match form {
+            Form::Disk { center, normal, radius } => round(Rim::of_disk(*center, *normal, *radius)?, above),
+            Form::Ball { center, radius } => round(Rim::of_silhouette(*center, *radius)?, above),
+            Form::Flat(form) => flat(form, above),
         }
     }
 }
@@ -132,9 +132,9 @@ fn is_inside(edges: &[[[f64; 2]; 2]], [x, y]: [f64; 2]) -> bool {
     })
 }
 
-fn full(rim: Rim) -> Piece {
+fn full<T: Number>(rim: Rim<T>) -> Piece<T> {
     Piece {
-        curves: vec![Curve::Round { rim, from: 0.0, to: TAU }],
+        curves: vec![Curve::Round { rim, from: T::zero(), to: T::turn() }],
         is_cut: false,
         inside: Inside::Round { rim, cut: None },
     }
@@ -142,11 +142,11 @@ fn full(rim: Rim) -> Piece {
 
 /// The great circle in which a half-space's plane cuts the piece's own plane, as a unit normal towards the kept side:
 /// a point `λ d` of the plane `axis · r = height` is kept where this is positive.
-fn cut_normal(keep: HalfSpace, axis: DVec3, height: f64) -> DVec3 {
-    if keep.k == 0.0 { keep.normal } else { (keep.normal * height + axis * keep.k).normalize() }
+fn cut_normal<T: Number>(keep: HalfSpace<T>, axis: Vector<T>, height: T) -> Vector<T> {
+    if keep.k.primal() == 0.0 { keep.normal } else { (keep.normal * height + axis * keep.k).normalize() }
 }
 
-fn round(rim: Rim, keep: Option<HalfSpace>) -> Option<Piece> {
+fn round<T: Number>(rim: Rim<T>, keep: Option<HalfSpace<T>>) -> Option<Piece<T>> {
     let Some(keep) = keep else { return Some(full(rim)) };
     match rim.cut(keep.normal, keep.k) {
         RimCut::Whole => Some(full(rim)),
@@ -163,25 +163,26 @@ fn round(rim: Rim, keep: Option<HalfSpace>) -> Option<Piece> {
 /// A ball before the plane of a source. Where the plane cuts it, what blocks is convex, so its outline is one loop: the
 /// silhouette's part before the plane, then the part of the section circle that lies before the silhouette's own plane.
 /// The two meet tangentially.
-fn ball(center: DVec3, radius: f64, keep: HalfSpace) -> Option<Piece> {
-    let ahead = keep.normal.dot(center) + keep.k;
-    let noise = 4.0 * f64::EPSILON * (center.length() + radius + keep.k.abs());
-    if ahead <= noise - radius {
+fn ball<T: Number>(center: Vector<T>, radius: T, keep: HalfSpace<T>) -> Option<Piece<T>> {
+    let depth = keep.height(center);
+    let (ahead, reach) = (depth.primal(), radius.primal());
+    let noise = 4.0 * f64::EPSILON * (center.primal().length() + reach + keep.k.primal().abs());
+    if ahead <= noise - reach {
         return None;
     }
     let silhouette = Rim::of_silhouette(center, radius)?;
     let cut = silhouette.cut(keep.normal, keep.k);
-    if ahead >= radius - noise || cut == RimCut::Whole {
+    if ahead >= reach - noise || matches!(cut, RimCut::Whole) {
         return Some(full(silhouette));
     }
-    let section_radius = ((radius - ahead) * (radius + ahead)).sqrt();
-    let section = Rim::of_disk(center - keep.normal * ahead, keep.normal, section_radius)?;
+    let section_radius = ((radius - depth) * (radius + depth)).sqrt();
+    let section = Rim::of_disk(center - keep.normal * depth, keep.normal, section_radius)?;
     let RimCut::Part { from, to } = cut else { return Some(full(section)) };
     let plane = cut_normal(keep, silhouette.axis, silhouette.height);
-    let begin = section.parameter(silhouette.point(to));
-    let mut end = section.parameter(silhouette.point(from));
-    if end <= begin {
-        end += TAU;
+    let begin = section.angle(silhouette.point(to));
+    let mut end = section.angle(silhouette.point(from));
+    if end.primal() <= begin.primal() {
+        end = end + T::turn();
     }
     Some(Piece {
         curves: vec![Curve::Round { rim: silhouette, from, to }, Curve::Round { rim: section, from: begin, to: end }],
@@ -190,46 +191,47 @@ fn ball(center: DVec3, radius: f64, keep: HalfSpace) -> Option<Piece> {
     })
 }
 
-fn flat(shape: &Flat, eye: DVec3, keep: Option<HalfSpace>) -> Option<Piece> {
-    let origin = shape.origin - eye;
-    let points: Vec<DVec3> = shape.offsets.iter().map(|offset| origin + *offset).collect();
-    let farthest = points.iter().map(|p| p.length()).fold(0.0, f64::max);
-    let along = points[0].dot(shape.normal);
+fn flat<T: Number>(form: &FlatForm<T>, keep: Option<HalfSpace<T>>) -> Option<Piece<T>> {
+    let (shape, points) = (form.shape, &form.corners);
+    let farthest = points.iter().map(|p| p.primal().length()).fold(0.0, f64::max);
+    let along = points[0].dot(form.normal).primal();
     if along.abs() <= 4.0 * f64::EPSILON * farthest {
         return None;
     }
-    let axis = if along < 0.0 { -shape.normal } else { shape.normal };
+    let axis = if along < 0.0 { -form.normal } else { form.normal };
     let ordered = |edge: &[u32; 2]| {
         let [from, to] = edge.map(|i| i as usize);
         if along < 0.0 { [to, from] } else { [from, to] }
     };
     let mut curves = Vec::with_capacity(shape.edges.len() + 1);
-    let height = |p: DVec3, keep: HalfSpace| {
-        let h = keep.normal.dot(p) + keep.k;
-        if h.abs() <= 4.0 * f64::EPSILON * (farthest + keep.k.abs()) { 0.0 } else { h }
+    let side = |p: Vector<T>, keep: &HalfSpace<T>| {
+        let h = keep.height(p);
+        let noise = 4.0 * f64::EPSILON * (farthest + keep.k.primal().abs());
+        if h.primal().abs() <= noise { T::zero() } else { h }
     };
-    let heights: Option<Vec<f64>> = keep.map(|keep| points.iter().map(|p| height(*p, keep)).collect());
-    if heights.as_ref().is_some_and(|heights| heights.iter().all(|h| *h <= 0.0)) {
+    let heights: Option<Vec<T>> = keep.as_ref().map(|keep| points.iter().map(|p| side(*p, keep)).collect());
+    if heights.as_ref().is_some_and(|heights| heights.iter().all(|h| h.primal() <= 0.0)) {
         return None;
     }
-    let heights = heights.filter(|heights| heights.iter().any(|h| *h < 0.0));
-    let frame = Frame::around(axis);
-    let in_plane = |p: DVec3| [p.dot(frame.tangent) / p.dot(axis), p.dot(frame.bitangent) / p.dot(axis)];
+    let heights = heights.filter(|heights| heights.iter().any(|h| h.primal() < 0.0));
+    let (tangent, bitangent) = axis.frame();
+    let in_plane = |p: Vector<T>| [(p.dot(tangent) / p.dot(axis)).primal(), (p.dot(bitangent) / p.dot(axis)).primal()];
     let mut outline = Vec::new();
-    let mut crossings = Vec::new();
+    let mut crossings: Vec<Vector<T>> = Vec::new();
     for edge in &shape.edges {
         let [i, j] = ordered(edge);
         let (mut p, mut q) = (points[i], points[j]);
-        let line = shape.offsets[j] - shape.offsets[i];
+        let line = form.line(i, j);
         if let Some(heights) = &heights {
             let (hp, hq) = (heights[i], heights[j]);
-            if hp < 0.0 && hq < 0.0 {
+            let (p_below, q_below) = (hp.primal() < 0.0, hq.primal() < 0.0);
+            if p_below && q_below {
                 continue;
             }
-            if (hp < 0.0) != (hq < 0.0) {
+            if p_below != q_below {
                 let on_plane = p + line * (hp / (hp - hq));
                 crossings.push(on_plane);
-                if hp < 0.0 {
+                if p_below {
                     p = on_plane;
                 } else {
                     q = on_plane;
@@ -243,8 +245,8 @@ fn flat(shape: &Flat, eye: DVec3, keep: Option<HalfSpace>) -> Option<Piece> {
     }
     if let (Some(keep), false) = (keep, crossings.is_empty()) {
         let plane = cut_normal(keep, axis, axis.dot(points[0]));
-        let direction = plane.cross(axis);
-        crossings.sort_by(|a, b| a.dot(direction).total_cmp(&b.dot(direction)));
+        let direction = plane.cross(axis).primal();
+        crossings.sort_by(|a, b| a.primal().dot(direction).total_cmp(&b.primal().dot(direction)));
         for pair in crossings.chunks_exact(2) {
             curves.extend(GreatArc::on_circle(pair[0], pair[1], plane, 1.0).map(Curve::Straight));
             if !shape.convex {
@@ -255,7 +257,7 @@ fn flat(shape: &Flat, eye: DVec3, keep: Option<HalfSpace>) -> Option<Piece> {
     let inside = if shape.convex {
         Inside::Convex
     } else {
-        Inside::EvenOdd { axis, u: frame.tangent, v: frame.bitangent, edges: outline }
+        Inside::EvenOdd { axis, u: tangent, v: bitangent, edges: outline }
     };
     (!curves.is_empty()).then_some(Piece { curves, inside, is_cut: heights.is_some() })
 }

@@ -4,120 +4,134 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
-use crate::geometry::Frame;
+use crate::number::{Number, Vector};
 
 /// A circle around `center`, seen from the origin: `r(t) = center + radius (u cos t + v sin t)`.
 ///
 /// `axis` points away from the origin (`height > 0`), so that growing `t` runs counter-clockwise as seen from it and
 /// the disk lies on the side `r × dr`. Along the rim `|r|² = P + Q cos t`.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Rim {
-    pub center: DVec3,
+pub(super) struct Rim<T = f64> {
+    pub center: Vector<T>,
     /// Along the centre's offset from the axis foot.
-    pub u: DVec3,
-    pub v: DVec3,
-    pub axis: DVec3,
-    pub radius: f64,
+    pub u: Vector<T>,
+    pub v: Vector<T>,
+    pub axis: Vector<T>,
+    pub radius: T,
     /// Of the plane: `center · axis`, > 0.
-    pub height: f64,
+    pub height: T,
     /// Of the centre from the plane's foot point: `center · u`, ≥ 0.
-    pub offset: f64,
+    pub offset: T,
+    /// `center · v`: zero or, where the centre lies on the axis and no direction is its own, the trace that rounding and
+    /// slopes leave of it. It is carried to first order.
+    pub aside: T,
 }
 
 /// A contour term, and the sum of the sizes of what it was added from, weighed by their conditioning: the error of
-/// `value` is a few `f64::EPSILON · weight`.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Term {
-    pub value: f64,
+/// `value` in `f64` is a few `f64::EPSILON · weight`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Term<T = f64> {
+    pub value: T,
     pub weight: f64,
 }
 
-impl std::ops::AddAssign for Term {
-    fn add_assign(&mut self, other: Term) {
-        self.value += other.value;
+impl<T: Number> Default for Term<T> {
+    fn default() -> Term<T> {
+        Term { value: T::zero(), weight: 0.0 }
+    }
+}
+
+impl<T: Number> std::ops::AddAssign for Term<T> {
+    fn add_assign(&mut self, other: Term<T>) {
+        self.value = self.value + other.value;
         self.weight += other.weight;
     }
 }
 
-impl Rim {
+impl<T: Number> Rim<T> {
     /// The rim of a disk with unit normal `normal` (either side). `None` for a disk seen edge-on: it has no area.
-    pub fn of_disk(center: DVec3, normal: DVec3, radius: f64) -> Option<Rim> {
+    pub fn of_disk(center: Vector<T>, normal: Vector<T>, radius: T) -> Option<Rim<T>> {
         let along = center.dot(normal);
-        if along.abs() <= EDGE_ON * (center.length() + radius) {
+        let distance = center.primal().length();
+        if along.primal().abs() <= EDGE_ON * (distance + radius.primal()) {
             return None;
         }
-        let axis = if along < 0.0 { -normal } else { normal };
+        let axis = if along.primal() < 0.0 { -normal } else { normal };
         let height = along.abs();
         let sideways = center - axis * height;
-        let (u, offset) = if sideways.length() <= 4.0 * f64::EPSILON * center.length() {
-            (Frame::around(axis).tangent, 0.0)
-        } else {
-            // Once more: what is left of the axis after one subtraction is large beside a small offset.
-            let u = sideways.normalize();
-            let u = (u - axis * u.dot(axis)).normalize();
-            (u, center.dot(u))
-        };
-        Some(Rim { center, u, v: axis.cross(u), axis, radius, height, offset })
+        if sideways.primal().length() <= CENTRAL * distance {
+            let (u, v) = axis.frame();
+            return Some(Rim { center, u, v, axis, radius, height, offset: center.dot(u), aside: center.dot(v) });
+        }
+        let u = sideways.normalize();
+        // Once more: what is left of the axis after one subtraction is large beside a small offset.
+        let u = (u - axis * u.dot(axis)).normalize();
+        Some(Rim { center, u, v: axis.cross(u), axis, radius, height, offset: center.dot(u), aside: T::zero() })
     }
 
     /// The circle in which the ball's tangent cone touches it. `None` if the origin is inside or on the ball.
     ///
     /// The circle's centre lies on its axis by construction: measuring that offset would return rounding noise.
-    pub fn of_silhouette(center: DVec3, radius: f64) -> Option<Rim> {
+    pub fn of_silhouette(center: Vector<T>, radius: T) -> Option<Rim<T>> {
         let distance = center.length();
-        let sine = radius / distance;
-        if sine >= 1.0 {
+        if (radius / distance).primal() >= 1.0 {
             return None;
         }
-        let axis = center / distance;
+        let axis = center * (T::constant(1.0) / distance);
         let cosine_squared = (distance - radius) * (distance + radius) / (distance * distance);
         let height = distance * cosine_squared;
-        let frame = Frame::around(axis);
+        let (u, v) = axis.frame();
         Some(Rim {
             center: axis * height,
-            u: frame.tangent,
-            v: frame.bitangent,
+            u,
+            v,
             axis,
             radius: radius * cosine_squared.sqrt(),
             height,
-            offset: 0.0,
+            offset: T::zero(),
+            aside: T::zero(),
         })
     }
 
-    pub fn point(&self, t: f64) -> DVec3 {
+    /// Whether the axis passes through the centre, as far as rounding can tell.
+    pub fn is_central(&self) -> bool {
+        self.offset.primal().abs() <= 2.0 * CENTRAL * (self.height.primal() + self.radius.primal())
+    }
+
+    pub fn point(&self, t: T) -> Vector<T> {
         let (sin, cos) = t.sin_cos();
         self.center + (self.u * cos + self.v * sin) * self.radius
     }
 
-    /// The parameter, in [0, 2π), of the rim's point in a direction that meets it.
-    pub fn parameter(&self, direction: DVec3) -> f64 {
+    /// The parameter, in (−π, π], of the rim's point in a direction that meets it.
+    pub fn angle(&self, direction: Vector<T>) -> T {
         let hit = direction * (self.height / direction.dot(self.axis));
-        let t = hit.dot(self.v).atan2(hit.dot(self.u) - self.offset);
-        if t < 0.0 { t + TAU } else { t }
+        (hit.dot(self.v) - self.aside).atan2(hit.dot(self.u) - self.offset)
     }
 
-    /// Signed angle (a sine; lower bound of its size up to the foreshortening at the far side) from the cone's mantle to
-    /// a unit direction: positive inside the cone.
-    pub fn margin(&self, d: DVec3) -> f64 {
-        let (du, dv, dw) = (d.dot(self.u), d.dot(self.v), d.dot(self.axis));
-        let out = (self.height * du - self.offset * dw).hypot(self.height * dv);
-        (self.radius * dw - out) / self.height.hypot(self.offset + self.radius)
+    /// The parameters `middle − half` and `middle + half` at which `level + plane · (r(t) − center)` vanishes, where it does.
+    ///
+    /// With G = a hypot(plane·u, plane·v) it is `level + G cos(t − middle)`; `half` = acos(−level/G), by its tangent.
+    pub fn roots(&self, plane: Vector<T>, level: T) -> RimRoots<T> {
+        let (pu, pv) = (plane.dot(self.u), plane.dot(self.v));
+        let swing = self.radius * pu.hypot(pv);
+        let root = ((swing - level) * (swing + level)).sqrt();
+        RimRoots { middle: pv.atan2(pu), half: root.atan2(-level), swing, root }
     }
 
     /// Two ends of the part where `plane · r(t) + k ≥ 0`; `Whole` and `Nothing` where the rim does not cross.
-    pub fn cut(&self, plane: DVec3, k: f64) -> RimCut {
+    pub fn cut(&self, plane: Vector<T>, k: T) -> RimCut<T> {
         let level = plane.dot(self.center) + k;
-        let (pu, pv) = (plane.dot(self.u), plane.dot(self.v));
-        let swing = self.radius * pu.hypot(pv);
-        let noise = 4.0 * f64::EPSILON * (self.center.length() + self.radius + k.abs());
+        let RimRoots { middle, half, swing, .. } = self.roots(plane, level);
+        let size = self.center.primal().length() + self.radius.primal() + k.primal().abs();
+        let noise = 4.0 * f64::EPSILON * size;
+        let (level, swing) = (level.primal(), swing.primal());
         // A rim that lies in the plane has nothing before it: this question comes first.
         if level <= noise - swing {
             RimCut::Nothing
         } else if level >= swing - noise {
             RimCut::Whole
         } else {
-            let half = ((swing - level) * (swing + level)).sqrt().atan2(-level);
-            let middle = pv.atan2(pu);
             RimCut::Part { from: middle - half, to: middle + half }
         }
     }
@@ -139,63 +153,115 @@ impl Rim {
     ///
     /// - error: a few ulp of the sum of the sizes of the three parts, times the distance to the rim's farthest point over
     ///   that to its nearest; both are in `weight`
-    pub fn contour(&self, n: DVec3, t0: f64, t1: f64) -> Term {
+    pub fn contour(&self, n: Vector<T>, t0: T, t1: T) -> Term<T> {
         let (a, cw, cu) = (self.radius, self.height, self.offset);
         let (nu, nv, nw) = (n.dot(self.u), n.dot(self.v), n.dot(self.axis));
         let near = cw.hypot(cu - a);
         let far = cw.hypot(cu + a);
         let p = cw * cw + cu * cu + a * a;
-        let q = 2.0 * a * cu;
+        let q = a * cu * 2.0;
         let d = near * far;
         let b = q / (p + d);
         let turn = t1 - t0;
         let (sin0, cos0) = t0.sin_cos();
         let (sin1, cos1) = t1.sin_cos();
-        let psi_over_b = |sin: f64, cos: f64| {
-            let x = sin / (1.0 + b * cos);
+        let psi_over_b = |sin: T, cos: T| {
+            let x = sin / (b * cos + 1.0);
             x * atan_ratio(b * x)
         };
         let delta = psi_over_b(sin1, cos1) - psi_over_b(sin0, cos0);
-        let i0 = (turn - 2.0 * b * delta) / d;
-        let i1 = (-b * turn + 2.0 * p / (p + d) * delta) / d;
-        let delta_cos = -2.0 * (0.5 * (t0 + t1)).sin() * (0.5 * turn).sin();
-        let start = cw * cw + (cu + a * cos0) * (cu + a * cos0) + (a * sin0) * (a * sin0);
+        let share = T::constant(1.0) / d;
+        let i0 = (turn - b * delta * 2.0) * share;
+        let i1 = (p / (p + d) * delta * 2.0 - b * turn) * share;
+        let delta_cos = ((t0 + t1) * 0.5).sin_cos().0 * (turn * 0.5).sin_cos().0 * -2.0;
+        let square = |sin: T, cos: T| cw * cw + (cu + a * cos) * (cu + a * cos) + (a * sin) * (a * sin);
+        let start = square(sin0, cos0);
         let i2 = -delta_cos / start * log1p_ratio(q * delta_cos / start);
         let (f0, f1, f2) = (a * a * nw, a * (cu * nw - cw * nu), -a * cw * nv);
-        let sizes = f0.abs() * (turn + 2.0 * (b * delta).abs()) / d
-            + f1.abs() * (b * turn + 2.0 * delta.abs()) / d
-            + (f2 * i2).abs();
+        let mut value = f0 * i0 + f1 * i1 + f2 * i2;
+        if self.is_central() {
+            // ∂/∂c_v at c_u = 0, where |r|² is P all along.
+            let odd = -delta_cos;
+            let even = (turn - (sin1 * cos1 - sin0 * cos0)) * 0.5;
+            let mixed = (sin1 - sin0) * (sin1 + sin0) * 0.5;
+            let turned = a * nw * odd - (f0 * odd + f1 * mixed + f2 * even) * a * 2.0 / p;
+            value = value + self.aside * turned / p;
+        }
+        let size = |x: T| x.primal().abs();
+        let (turn, delta, b) = (turn.primal(), delta.primal().abs(), b.primal());
+        let sizes = size(f0) * (turn + 2.0 * b * delta) / d.primal()
+            + size(f1) * (b * turn + 2.0 * delta) / d.primal()
+            + size(f2 * i2);
         // The ends are known to the rounding of an angle, whatever the length between them.
-        let stop = cw * cw + (cu + a * cos1) * (cu + a * cos1) + (a * sin1) * (a * sin1);
-        let ends = (f0.abs() + f1.abs() + f2.abs()) * (t0.abs() / start + t1.abs() / stop);
-        Term { value: f0 * i0 + f1 * i1 + f2 * i2, weight: sizes * (far / near) + 0.25 * ends }
+        let stop = square(sin1, cos1).primal();
+        let ends = (size(f0) + size(f1) + size(f2)) * (size(t0) / start.primal() + size(t1) / stop);
+        Term { value, weight: sizes * (far.primal() / near.primal()) + 0.25 * ends }
     }
 }
 
+impl Rim {
+    /// The parameter, in [0, 2π), of the rim's point in a direction that meets it.
+    #[cfg(test)]
+    fn parameter(&self, direction: DVec3) -> f64 {
+        let t = self.angle(Vector::constant(direction));
+        if t < 0.0 { t + TAU } else { t }
+    }
+
+    /// Signed angle (a sine; lower bound of its size up to the foreshortening at the far side) from the cone's mantle to
+    /// a unit direction: positive inside the cone.
+    pub fn margin(&self, d: DVec3) -> f64 {
+        let d = Vector::constant(d);
+        let (du, dv, dw) = (d.dot(self.u), d.dot(self.v), d.dot(self.axis));
+        let out = (self.height * du - self.offset * dw).hypot(self.height * dv);
+        (self.radius * dw - out) / self.height.hypot(self.offset + self.radius)
+    }
+}
+
+/// See [`Rim::roots`].
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RimRoots<T = f64> {
+    pub middle: T,
+    pub half: T,
+    /// How far the rim swings to either side.
+    pub swing: T,
+    /// √(swing² − level²).
+    pub root: T,
+}
+
+/// A centre this near to the axis, in units of its distance, lies on it.
+const CENTRAL: f64 = 4.0 * f64::EPSILON;
 /// A disk this near to edge-on, in units of its distance, has an area below the rounding of everything else.
 const EDGE_ON: f64 = 4.0 * f64::EPSILON;
 
 /// What a plane leaves of a rim.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum RimCut {
+pub(super) enum RimCut<T = f64> {
     Whole,
     Nothing,
-    Part { from: f64, to: f64 },
+    Part { from: T, to: T },
 }
 
+/// Below this the first terms of a series stand for a ratio: the next is smaller than the last bit that is asked for,
+/// and slopes are not divided by zero.
+const SMALL: f64 = 1.0 / (1u64 << 40) as f64;
+
 /// atan(y)/y.
-fn atan_ratio(y: f64) -> f64 {
-    if y == 0.0 { 1.0 } else { y.atan() / y }
+fn atan_ratio<T: Number>(y: T) -> T {
+    if y.primal().abs() < SMALL { y * y * (-1.0 / 3.0) + 1.0 } else { y.atan() / y }
 }
 
 /// ln(1 + y)/y.
-fn log1p_ratio(y: f64) -> f64 {
-    if y == 0.0 { 1.0 } else { y.ln_1p() / y }
+fn log1p_ratio<T: Number>(y: T) -> T {
+    if y.primal().abs() < SMALL { y * -0.5 + 1.0 + y * y * (1.0 / 3.0) } else { y.ln_1p() / y }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn of_disk(center: DVec3, normal: DVec3, radius: f64) -> Option<Rim> {
+        Rim::of_disk(Vector::constant(center), Vector::constant(normal), radius)
+    }
 
     /// The same integral by the trapezoidal rule over a full turn, which converges geometrically.
     fn by_trapezoids(rim: &Rim, n: DVec3) -> f64 {
@@ -203,9 +269,9 @@ mod tests {
         (0..steps)
             .map(|i| {
                 let t = TAU * f64::from(i) / f64::from(steps);
-                let r = rim.point(t);
+                let r = rim.point(t).primal();
                 let (sin, cos) = t.sin_cos();
-                n.dot(r.cross((rim.v * cos - rim.u * sin) * rim.radius)) / r.length_squared()
+                n.dot(r.cross(((rim.v * cos - rim.u * sin) * rim.radius).primal())) / r.length_squared()
             })
             .sum::<f64>()
             * TAU
@@ -216,20 +282,21 @@ mod tests {
     fn the_closed_contour_is_the_integral_it_claims_to_be() {
         let n = DVec3::new(0.3, -0.4, 0.8).normalize();
         for offset in [0.0, 1e-12, 1e-6, 0.3, 2.0] {
-            let rim = Rim::of_disk(DVec3::new(offset, 0.0, 1.5), DVec3::new(0.0, 0.0, -1.0), 0.75).unwrap();
-            let sum = rim.contour(n, 0.3, 2.0).value + rim.contour(n, 2.0, 0.3 + TAU).value;
+            let rim = of_disk(DVec3::new(offset, 0.0, 1.5), DVec3::new(0.0, 0.0, -1.0), 0.75).unwrap();
+            let contour = |t0: f64, t1: f64| rim.contour(Vector::constant(n), t0, t1).value;
+            let sum = contour(0.3, 2.0) + contour(2.0, 0.3 + TAU);
             approx::assert_abs_diff_eq!(sum, by_trapezoids(&rim, n), epsilon = 2e-14);
-            approx::assert_abs_diff_eq!(sum, rim.contour(n, 0.0, TAU).value, epsilon = 4e-15);
+            approx::assert_abs_diff_eq!(sum, contour(0.0, TAU), epsilon = 4e-15);
         }
     }
 
     #[test]
     fn a_direction_on_the_rim_returns_its_parameter() {
-        let rim = Rim::of_disk(DVec3::new(1.0, 2.0, 1.5), DVec3::new(0.1, 0.2, 1.0).normalize(), 0.75).unwrap();
+        let rim = of_disk(DVec3::new(1.0, 2.0, 1.5), DVec3::new(0.1, 0.2, 1.0).normalize(), 0.75).unwrap();
         for t in [0.1, 1.0, 3.0, 6.0] {
-            approx::assert_abs_diff_eq!(rim.parameter(rim.point(t) * 3.0), t, epsilon = 1e-14);
-            approx::assert_abs_diff_eq!(rim.margin(rim.point(t).normalize()), 0.0, epsilon = 1e-15);
-            let (edge, middle) = (rim.point(t).normalize(), rim.center.normalize());
+            approx::assert_abs_diff_eq!(rim.parameter(rim.point(t).primal() * 3.0), t, epsilon = 1e-14);
+            approx::assert_abs_diff_eq!(rim.margin(rim.point(t).primal().normalize()), 0.0, epsilon = 1e-15);
+            let (edge, middle) = (rim.point(t).primal().normalize(), rim.center.primal().normalize());
             let inside = (edge + (middle - edge) * 1e-3).normalize();
             let margin = rim.margin(inside);
             assert!(margin > 0.0 && margin <= edge.angle_between(inside), "{margin}");

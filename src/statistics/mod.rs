@@ -9,7 +9,6 @@ pub mod moments;
 mod simulated;
 pub mod slope;
 mod verdict;
-mod wide;
 
 pub use correlation::PairSums;
 pub use evidence::{Capital, Observed, Statement};

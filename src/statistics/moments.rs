@@ -10,7 +10,7 @@
 //!
 //! Nothing is guarded against values whose fourth power overflows (beyond 1e77): moments that are not finite are `None`.
 
-use super::wide::Wide;
+use crate::number::Wide;
 
 /// Values per block.
 const BLOCK: u32 = 256;

@@ -14,7 +14,7 @@
 //! Mathematik 7, 1965 (reflections); any text on regression for the covariance.
 
 use super::interval::{Interval, normal_quantile, student_quantile};
-use super::wide::Wide;
+use crate::number::Wide;
 
 /// What is known of the noise in y beforehand.
 #[derive(Clone, Copy, Debug, PartialEq)]

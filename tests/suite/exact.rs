@@ -7,10 +7,12 @@ use etendue::geometry::{DVec3, Disk, Polygon, Shape, Sphere};
 use etendue::oracle::{Oracle, Region, Truth};
 use etendue::radiometry::Exitance;
 
-struct Row {
-    id: String,
-    unoccluded: f64,
-    visible: f64,
+pub struct Row {
+    pub id: String,
+    pub unoccluded: f64,
+    pub visible: f64,
+    pub oracle: Oracle,
+    pub point: MeasurementPoint,
     /// Whether the row names occluders.
     is_occluded: bool,
     truth: Truth,
@@ -44,7 +46,7 @@ fn sinks(source: &Shape, x: DVec3, n: DVec3) -> bool {
     lowest < 0.0
 }
 
-fn rows(table: &str) -> Vec<Row> {
+pub fn rows(table: &str) -> Vec<Row> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/reference").join(table).with_extension("csv");
     let mut reader = csv::Reader::from_path(&path).unwrap();
     let records: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
@@ -62,12 +64,15 @@ fn rows(table: &str) -> Vec<Row> {
             let source = Source::new(source, Exitance::new(1.0)).unwrap();
             let configuration =
                 Configuration::new(vec![source], occluders, None, vec![point], Arrangement::Scattered).unwrap();
+            let oracle = Oracle::new(&configuration);
             Row {
                 id: record[0].to_owned(),
                 unoccluded: number(10),
                 visible: number(11),
                 is_occluded,
-                truth: Oracle::new(&configuration).at(&point),
+                truth: oracle.at(&point),
+                oracle,
+                point,
                 is_cut,
             }
         })

@@ -16,3 +16,4 @@ mod radiometry;
 mod reference;
 mod shipped_cases;
 mod walls;
+mod witness;

@@ -1,0 +1,320 @@
+//! Exact derivatives of the irradiance with respect to the numbers of a case.
+//!
+//! The shadow's topology is decided over `f64`; the contour that it leaves is run once more over dual numbers, crossings
+//! included. So the derivative of *visibility* (how the shadow's edge moves) is in it.
+
+use std::fmt;
+use std::str::FromStr;
+
+use glam::DVec3;
+
+use super::exact::{BodyAt, Oracle, Sight};
+use super::form::{Form, Motion};
+use super::truth::{Method, Truth};
+use crate::configuration::{Configuration, MeasurementPoint};
+use crate::geometry::Shape;
+use crate::number::{Dual, Vector};
+
+/// Parameters that one run over dual numbers carries along: two vectors of the widest registers, and few enough that
+/// asking for one does not cost as much as asking for many.
+const LANES: usize = 8;
+
+/// A number of a case, by its path: `source.0.center.x`, `occluder.1.radius`, `point.position.z`.
+///
+/// | path below | fields |
+/// |---|---|
+/// | `source.N`, `occluder.N` (counted from 0, in the case's order) | disk: `center`, `normal`, `radius`; rectangle: `center`, `edge_u`, `edge_v`; polygon: `vertices.K`, `position` (all of it); sphere: `center`, `radius`; mesh: `position` |
+/// | `source.N` | `exitance` |
+/// | `point` (each measurement point) | `position`, `normal` |
+///
+/// Vectors take `.x`, `.y` or `.z`. A normal's component is that of the unit normal, which stays a unit vector. Edges and
+/// vertices are free to leave the right angle or the plane: then what is differentiated is the outline as seen.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Parameter {
+    path: String,
+    owner: Owner,
+    field: Field,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Owner {
+    Source(usize),
+    Occluder(usize),
+    Point,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Field {
+    Center(usize),
+    Position(usize),
+    Normal(usize),
+    EdgeU(usize),
+    EdgeV(usize),
+    Vertex(usize, usize),
+    Radius,
+    Exitance,
+}
+
+/// What is wrong with a parameter.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ParameterError {
+    #[error(
+        "`{said}` names no number of a case; accepted are source.N.FIELD, occluder.N.FIELD and point.FIELD with the fields \
+         center, position, normal, edge_u, edge_v, vertices.K (each followed by .x, .y or .z), radius and exitance"
+    )]
+    Path { said: String },
+    #[error("`{said}`: there are {count} {kind}s, counted from 0")]
+    Missing { said: String, kind: &'static str, count: usize },
+    #[error("`{said}`: a {shape} has {accepted}")]
+    Field { said: String, shape: &'static str, accepted: String },
+}
+
+impl FromStr for Parameter {
+    type Err = ParameterError;
+
+    fn from_str(said: &str) -> Result<Parameter, ParameterError> {
+        let wrong = || ParameterError::Path { said: said.to_owned() };
+        let words: Vec<&str> = said.trim().split('.').collect();
+        let index = |word: &str| word.parse::<usize>().map_err(|_| wrong());
+        let (owner, rest) = match words.as_slice() {
+            ["source", i, rest @ ..] => (Owner::Source(index(i)?), rest),
+            ["occluder", i, rest @ ..] => (Owner::Occluder(index(i)?), rest),
+            ["point", rest @ ..] => (Owner::Point, rest),
+            _ => return Err(wrong()),
+        };
+        let axis = |word: &str| ["x", "y", "z"].iter().position(|axis| *axis == word).ok_or_else(wrong);
+        let field = match rest {
+            ["center", a] => Field::Center(axis(a)?),
+            ["position", a] => Field::Position(axis(a)?),
+            ["normal", a] => Field::Normal(axis(a)?),
+            ["edge_u", a] => Field::EdgeU(axis(a)?),
+            ["edge_v", a] => Field::EdgeV(axis(a)?),
+            ["vertices", k, a] => Field::Vertex(index(k)?, axis(a)?),
+            ["radius"] => Field::Radius,
+            ["exitance"] => Field::Exitance,
+            _ => return Err(wrong()),
+        };
+        let fits = match owner {
+            Owner::Point => matches!(field, Field::Position(_) | Field::Normal(_)),
+            Owner::Occluder(_) => field != Field::Exitance,
+            Owner::Source(_) => true,
+        };
+        fits.then(|| Parameter { path: said.trim().to_owned(), owner, field }).ok_or_else(wrong)
+    }
+}
+
+impl fmt::Display for Parameter {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(&self.path)
+    }
+}
+
+impl Parameter {
+    /// The unit of the irradiance's derivative, as in a column's name: per metre, per unit of a unit vector, or per W/m².
+    pub fn unit_of_derivative(&self) -> &'static str {
+        match self.field {
+            Field::Normal(_) => "W_m2",
+            Field::Exitance => "1",
+            _ => "W_m3",
+        }
+    }
+}
+
+/// What a parameter does to a configuration.
+#[derive(Clone, Debug)]
+enum Effect {
+    Body(BodyAt, Motion),
+    Exitance(usize),
+    Position(usize),
+    Normal(usize),
+}
+
+/// Parameters of one configuration, ready to differentiate by.
+#[derive(Clone, Debug)]
+pub struct Parameters {
+    effects: Vec<(usize, Effect)>,
+    count: usize,
+}
+
+/// Whether a small move either way keeps the shadow's topology.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// The derivative is that of both sides.
+    Both,
+    /// Outlines touch or coincide here: the derivative is that of moves which keep the contact as it was decided, and
+    /// moves the other way may have another.
+    One,
+}
+
+impl Side {
+    /// The name that tables use.
+    pub fn name(self) -> &'static str {
+        match self {
+            Side::Both => "both",
+            Side::One => "one",
+        }
+    }
+}
+
+/// The irradiance at one point with its derivatives.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Derivatives {
+    pub truth: Truth,
+    /// One for each parameter; W/m² per unit of the parameter. `None` where the irradiance has no closed form.
+    pub values: Option<Vec<f64>>,
+    pub side: Side,
+}
+
+impl Oracle {
+    /// Parameters of the configuration that this oracle was made from.
+    pub fn parameters(
+        &self,
+        configuration: &Configuration,
+        parameters: &[Parameter],
+    ) -> Result<Parameters, ParameterError> {
+        let mut effects = Vec::new();
+        for (k, parameter) in parameters.iter().enumerate() {
+            let said = || parameter.path.clone();
+            let shape = match parameter.owner {
+                Owner::Point => None,
+                Owner::Source(i) => {
+                    let list = configuration.sources();
+                    let missing = || ParameterError::Missing { said: said(), kind: "source", count: list.len() };
+                    Some(list.get(i).ok_or_else(missing)?.shape())
+                }
+                Owner::Occluder(i) => {
+                    let list = configuration.occluders();
+                    let missing = || ParameterError::Missing { said: said(), kind: "occluder", count: list.len() };
+                    Some(list.get(i).ok_or_else(missing)?)
+                }
+            };
+            match (parameter.owner, parameter.field, shape) {
+                (Owner::Source(i), Field::Exitance, _) => effects.push((k, Effect::Exitance(i))),
+                (Owner::Point, Field::Position(axis), _) => effects.push((k, Effect::Position(axis))),
+                (Owner::Point, Field::Normal(axis), _) => effects.push((k, Effect::Normal(axis))),
+                (owner, field, Some(shape)) => {
+                    let motion = motion(shape, field, self.scale).ok_or_else(|| ParameterError::Field {
+                        said: said(),
+                        shape: shape.kind(),
+                        accepted: accepted(shape),
+                    })?;
+                    effects.extend(self.bodies(owner).map(|at| (k, Effect::Body(at, motion.clone()))));
+                }
+                _ => return Err(ParameterError::Path { said: said() }),
+            }
+        }
+        Ok(Parameters { effects, count: parameters.len() })
+    }
+
+    fn bodies(&self, owner: Owner) -> impl Iterator<Item = BodyAt> {
+        let occluders = self.occluder_of.iter().enumerate();
+        let of_occluder = occluders.filter(move |(_, shape)| owner == Owner::Occluder(**shape));
+        let of_source = match owner {
+            Owner::Source(i) => Some(BodyAt::Source(i)),
+            _ => None,
+        };
+        of_occluder.map(|(body, _)| BodyAt::Occluder(body)).chain(of_source)
+    }
+
+    /// The exact irradiance at a point and its derivatives.
+    ///
+    /// - error: of the derivatives, about 1e-12 relative to irradiance over the distance that the parameter would have to
+    ///   move to matter; more where outlines nearly touch
+    /// - second witness: `slopes_are_differences_of_wide_values`, `a_growing_occluder_takes_what_its_rim_sweeps`
+    pub fn derivatives(&self, point: &MeasurementPoint, parameters: &Parameters) -> Derivatives {
+        let seen = self.seen(point);
+        let truth = self.together(&seen);
+        let touching = seen.iter().any(|seen| seen.touching || seen.sight == Sight::Unclear);
+        let side = if touching { Side::One } else { Side::Both };
+        let mut values = vec![0.0; parameters.count];
+        for first in (0..parameters.count).step_by(LANES) {
+            let lane = |k: &usize| (first..first + LANES).contains(k).then(|| *k - first);
+            let effects = || parameters.effects.iter().filter_map(|(k, effect)| Some((lane(k)?, effect)));
+            let mut eye: Vector<Dual<LANES>> = Vector::constant(point.position() * self.scale);
+            let mut n: Vector<Dual<LANES>> = Vector::constant(point.normal());
+            for (lane, effect) in effects() {
+                match effect {
+                    Effect::Position(axis) => component(&mut eye, *axis).slopes[lane] += self.scale,
+                    Effect::Normal(axis) => {
+                        let unit = point.normal();
+                        let turn = DVec3::AXES[*axis] - unit * unit[*axis];
+                        for i in 0..3 {
+                            component(&mut n, i).slopes[lane] += turn[i];
+                        }
+                    }
+                    Effect::Body(..) | Effect::Exitance(_) => {}
+                }
+            }
+            let motions = |at: BodyAt| {
+                effects().filter_map(move |(lane, effect)| match effect {
+                    Effect::Body(of, motion) if *of == at => Some((lane, motion)),
+                    _ => None,
+                })
+            };
+            for (i, seen) in seen.iter().enumerate() {
+                for (lane, effect) in effects() {
+                    if matches!(effect, Effect::Exitance(of) if *of == i) {
+                        values[first + lane] += seen.visible.value;
+                    }
+                }
+                if matches!(seen.sight, Sight::Hidden | Sight::Below) {
+                    continue;
+                }
+                if seen.method == Method::Quadrature {
+                    return Derivatives { truth, values: None, side };
+                }
+                let form = |at: BodyAt| Form::moving(self.body(at), eye, motions(at));
+                let Some(factor) = self.factor(i, seen.shadow.as_ref(), n, form) else {
+                    return Derivatives { truth, values: None, side };
+                };
+                for (lane, slope) in factor.value.slopes.iter().enumerate().take(parameters.count - first) {
+                    values[first + lane] += self.sources[i].exitance * slope;
+                }
+            }
+        }
+        Derivatives { truth, values: Some(values), side }
+    }
+}
+
+fn component<const N: usize>(v: &mut Vector<Dual<N>>, axis: usize) -> &mut Dual<N> {
+    match axis {
+        0 => &mut v.x,
+        1 => &mut v.y,
+        _ => &mut v.z,
+    }
+}
+
+/// How a shape moves as one of its numbers grows; `None` where it has no such number.
+fn motion(shape: &Shape, field: Field, scale: f64) -> Option<Motion> {
+    let along = |axis: usize| DVec3::AXES[axis] * scale;
+    // Corners are −u−v, u−v, u+v, v−u about the centre, u and v half the edges.
+    let corners = |shares: [f64; 4], axis: usize| Motion::Corners(shares.map(|s| along(axis) * (0.5 * s)).to_vec());
+    Some(match (shape, field) {
+        (Shape::Disk(_) | Shape::Sphere(_) | Shape::Rectangle(_), Field::Center(axis))
+        | (Shape::Polygon(_) | Shape::Mesh(_), Field::Position(axis)) => Motion::Center(along(axis)),
+        (Shape::Disk(_), Field::Normal(axis)) => Motion::Normal(DVec3::AXES[axis]),
+        (Shape::Disk(_) | Shape::Sphere(_), Field::Radius) => Motion::Radius(scale),
+        (Shape::Rectangle(_), Field::EdgeU(axis)) => corners([-1.0, 1.0, 1.0, -1.0], axis),
+        (Shape::Rectangle(_), Field::EdgeV(axis)) => corners([-1.0, -1.0, 1.0, 1.0], axis),
+        (Shape::Polygon(polygon), Field::Vertex(k, axis)) if k < polygon.vertices().len() => {
+            let mut by = vec![DVec3::ZERO; polygon.vertices().len()];
+            by[k] = along(axis);
+            Motion::Corners(by)
+        }
+        _ => return None,
+    })
+}
+
+fn accepted(shape: &Shape) -> String {
+    match shape {
+        Shape::Disk(_) => "center.x, .y, .z, normal.x, .y, .z and radius".to_owned(),
+        Shape::Rectangle(_) => "center, edge_u and edge_v, each with .x, .y, .z".to_owned(),
+        Shape::Polygon(polygon) => {
+            let last = polygon.vertices().len() - 1;
+            format!("vertices.0 to vertices.{last} and position, each with .x, .y, .z")
+        }
+        Shape::Sphere(_) => "center.x, .y, .z and radius".to_owned(),
+        Shape::Mesh(_) => "position.x, .y, .z".to_owned(),
+    }
+}
