@@ -22,7 +22,9 @@ pub(super) enum Figure {
         as_given: DVec3,
         radius: f64,
     },
-    Ball { radius: f64 },
+    Ball {
+        radius: f64,
+    },
     Flat(Flat),
 }
 
@@ -46,11 +48,8 @@ impl Body {
     pub fn of_shape(shape: &Shape, scale: f64) -> Vec<Body> {
         match shape {
             Shape::Disk(s) => {
-                let figure = Figure::Disk {
-                    normal: s.normal(),
-                    as_given: s.normal_as_given(),
-                    radius: s.radius() * scale,
-                };
+                let figure =
+                    Figure::Disk { normal: s.normal(), as_given: s.normal_as_given(), radius: s.radius() * scale };
                 vec![Body { figure, center: s.center() * scale, reach: s.radius() * scale }]
             }
             Shape::Sphere(s) => vec![Body::of_ball(s, scale)],

@@ -153,8 +153,7 @@ struct Mantle<T>([[T; 3]; 3]);
 impl<T: Number> Mantle<T> {
     /// Along another rim each coordinate is `k0 + k1 cos t + k2 sin t`.
     fn along(path: &Rim<T>, cone: &Rim<T>) -> Mantle<T> {
-        let row =
-            |p: Vector<T>| [p.dot(path.center), path.radius * p.dot(path.u), path.radius * p.dot(path.v)];
+        let row = |p: Vector<T>| [p.dot(path.center), path.radius * p.dot(path.u), path.radius * p.dot(path.v)];
         Mantle([
             row(cone.u * cone.height - cone.axis * cone.offset),
             row(cone.v * cone.height - cone.axis * cone.aside),

@@ -73,7 +73,9 @@ impl Numbered {
     /// Fields whose neighbours are valid shapes too. (An edge that grows along itself keeps the right angle.)
     fn fields(&self) -> Vec<&'static str> {
         match self {
-            Numbered::Disk(..) => vec!["center.x", "center.y", "center.z", "normal.x", "normal.y", "normal.z", "radius"],
+            Numbered::Disk(..) => {
+                vec!["center.x", "center.y", "center.z", "normal.x", "normal.y", "normal.z", "radius"]
+            }
             Numbered::Rectangle(_) => vec!["center.x", "center.y", "center.z"],
             Numbered::Polygon(_) => vec!["position.x", "position.y", "position.z"],
             Numbered::Sphere(..) => vec!["center.x", "center.y", "center.z", "radius"],
@@ -169,7 +171,9 @@ fn sweep(seed: u64, rooms: usize) -> (usize, f64) {
             compared += 1;
             let error = (value - expected).abs() / largest;
             if error > 1e-9 {
-                println!("{field} of {owner:?}: {value:e} against {expected:e} ({error:.1e})\n  {source:?}\n  {occluders:?} {point:?}");
+                println!(
+                    "{field} of {owner:?}: {value:e} against {expected:e} ({error:.1e})\n  {source:?}\n  {occluders:?} {point:?}"
+                );
             }
             worst = worst.max(error);
         }
@@ -241,7 +245,10 @@ fn a_wrong_parameter_is_told_what_there_is() {
         Err(error) => error.to_string(),
         Ok(parameter) => Oracle::new(&room).parameters(&room, &[parameter]).unwrap_err().to_string(),
     };
-    assert_eq!(said("source.0.edge_u.x"), "`source.0.edge_u.x`: a disk has center.x, .y, .z, normal.x, .y, .z and radius");
+    assert_eq!(
+        said("source.0.edge_u.x"),
+        "`source.0.edge_u.x`: a disk has center.x, .y, .z, normal.x, .y, .z and radius"
+    );
     assert_eq!(said("occluder.0.radius"), "`occluder.0.radius`: there are 0 occluders, counted from 0");
     assert!(said("source.0.centre.x").contains("accepted are source.N.FIELD"));
     assert!(said("occluder.0.exitance").contains("names no number"));

@@ -1,6 +1,5 @@
 //! The exact side of one configuration, ready to be asked anywhere.
 
-
 use super::body::Body;
 use super::form::Form;
 use super::front::{Blocking, Front};
@@ -150,8 +149,7 @@ impl Oracle {
                 method = Method::Quadrature;
             }
         }
-        let [whole, below, hidden, unclear] =
-            [Sight::Whole, Sight::Below, Sight::Hidden, Sight::Unclear].map(count);
+        let [whole, below, hidden, unclear] = [Sight::Whole, Sight::Below, Sight::Hidden, Sight::Unclear].map(count);
         let region = if whole == sources.len() {
             Region::Lit
         } else if below == sources.len() {
@@ -319,20 +317,16 @@ fn by_strips(strips: Strips, unoccluded: Factor, piece: &Piece) -> Seen {
         _ => Sight::Part,
     };
     let visible = Factor { value: strips.value.clamp(0.0, unoccluded.value), bound: strips.error };
-    Seen {
-        shadow_edge: strips.hidden,
-        method: Method::Quadrature,
-        ..Seen::new(visible, unoccluded.value, sight)
-    }
+    Seen { shadow_edge: strips.hidden, method: Method::Quadrature, ..Seen::new(visible, unoccluded.value, sight) }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DVec3;
     use crate::configuration::Arrangement;
     use crate::geometry::{Disk, Polygon, Rectangle, Shape, Sphere};
     use crate::radiometry::Exitance;
+    use glam::DVec3;
     use proptest::prelude::*;
 
     fn vector(reach: f64) -> impl proptest::strategy::Strategy<Value = DVec3> {

@@ -59,9 +59,11 @@ impl<'a, T: Number> FlatForm<'a, T> {
     /// The unit normal of the corners as they are (Newell's sum), on the side of the shape's own.
     fn newell(&self) -> Vector<T> {
         let zero = Vector::constant(DVec3::ZERO);
-        let sum = self.shape.edges.iter().fold(zero, |sum, [i, j]| {
-            sum + self.line(0, *i as usize).cross(self.line(0, *j as usize))
-        });
+        let sum = self
+            .shape
+            .edges
+            .iter()
+            .fold(zero, |sum, [i, j]| sum + self.line(0, *i as usize).cross(self.line(0, *j as usize)));
         sum.normalize()
     }
 }
@@ -77,7 +79,9 @@ impl<'a> Form<'a, Wide> {
     pub fn refined(body: &'a Body, eye: Vector<Wide>) -> Form<'a, Wide> {
         let mut form = Form::seen(body, eye);
         match (&mut form, &body.figure) {
-            (Form::Disk { normal, .. }, Figure::Disk { as_given, .. }) => *normal = Vector::constant(*as_given).normalize(),
+            (Form::Disk { normal, .. }, Figure::Disk { as_given, .. }) => {
+                *normal = Vector::constant(*as_given).normalize()
+            }
             (Form::Flat(flat), _) => flat.normal = flat.newell(),
             _ => {}
         }

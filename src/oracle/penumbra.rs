@@ -80,10 +80,17 @@ enum Stop {
     Start,
     End,
     /// Where another curve crosses it, near a direction.
-    Crossing { other: CurveAt, near: DVec3 },
+    Crossing {
+        other: CurveAt,
+        near: DVec3,
+    },
     /// Where another curve on the same circle starts or ends.
-    StartOf { other: CurveAt },
-    EndOf { other: CurveAt },
+    StartOf {
+        other: CurveAt,
+    },
+    EndOf {
+        other: CurveAt,
+    },
 }
 
 impl Visible {
@@ -233,10 +240,7 @@ pub(super) fn visible(n: DVec3, source: &Piece, occluders: &[Piece]) -> Visible 
     for (i, boundary) in boundaries.iter().enumerate() {
         if !boundary.curve.is_closed() {
             let (from, to) = boundary.curve.range();
-            splits.extend([
-                Split { curve: i, t: from, by: By::Start },
-                Split { curve: i, t: to, by: By::End },
-            ]);
+            splits.extend([Split { curve: i, t: from, by: By::Start }, Split { curve: i, t: to, by: By::End }]);
         }
     }
     splits.sort_by(|a, b| a.curve.cmp(&b.curve).then(a.t.total_cmp(&b.t)));
@@ -342,9 +346,10 @@ impl Contour<'_> {
             By::Curve(j) => {
                 let Boundary { at: other, curve: crossed } = self.boundaries[j];
                 let point = curve.point(split.t);
-                let together = self.together.iter().any(|pair| {
-                    pair.curves == [begin.curve, j] || pair.curves == [j, begin.curve]
-                });
+                let together = self
+                    .together
+                    .iter()
+                    .any(|pair| pair.curves == [begin.curve, j] || pair.curves == [j, begin.curve]);
                 if !together {
                     return Stop::Crossing { other, near: point.primal().normalize() };
                 }

@@ -215,7 +215,8 @@ fn flat<T: Number>(form: &FlatForm<T>, keep: Option<HalfSpace<T>>) -> Option<Pie
     }
     let heights = heights.filter(|heights| heights.iter().any(|h| h.primal() < 0.0));
     let (tangent, bitangent) = axis.frame();
-    let in_plane = |p: Vector<T>| [(p.dot(tangent) / p.dot(axis)).primal(), (p.dot(bitangent) / p.dot(axis)).primal()];
+    let in_plane =
+        |p: Vector<T>| [(p.dot(tangent) / p.dot(axis)).primal(), (p.dot(bitangent) / p.dot(axis)).primal()];
     let mut outline = Vec::new();
     let mut crossings: Vec<Vector<T>> = Vec::new();
     for edge in &shape.edges {

@@ -3,9 +3,8 @@
 //! Two nested quadratures of the exact point value, never a four-dimensional one: strips over the patch, and along each
 //! strip panels between the places where what is seen changes its kind. Both are split there; between, the value is analytic.
 //!
-//! Limits: a bound here is a careful estimate, not a proof. What no node sees (a shadow that meets no edge of the patch and
-//! is much smaller than a seventh of it, at a fine tolerance a twentieth) is not in it. Kinks that no change of kind tells
-//! cost halvings: with straight shadows inside a penumbra, 10⁵ to 10⁶ evaluations where a smooth pixel takes 100.
+//! Limit: a bound here is a careful estimate, not a proof. What no node sees (a shadow that meets no edge of the patch and
+//! is much smaller than a seventh of it, at a fine tolerance a twentieth) is not in it.
 
 use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
@@ -17,7 +16,7 @@ use super::adaptive::{self, Integral, Node, Spec};
 use super::surface::{Layout, Patch};
 use crate::configuration::{Arrangement, Configuration, MeasurementPoint, Source};
 use crate::geometry::Shape;
-use crate::oracle::{Oracle, Region, Truth};
+use crate::oracle::{Oracle, Truth};
 use crate::radiometry::{Exitance, FormFactor, Irradiance};
 
 /// How good an average has to be. It stops where either is reached.
@@ -61,8 +60,8 @@ const COARSE: f64 = 1e-8;
 const FINE_PANELS: u32 = 3;
 /// Places remembered from strip to strip.
 const MOST_MIDDLES: usize = 8;
-/// The bound over the sum of the panels' own estimates. Where a kink is not told by its kind (shadows of straight edges
-/// parallel to the source's passing its corners are the sharpest), the sum was up to 2.2 times too small.
+/// The bound over the sum of the panels' own estimates. Where kinks were left to halving, the sum was up to 2.2 times too
+/// small.
 const CAUTION: f64 = 4.0;
 /// Passes over the patch: the next one is made only if the last fell short, with what it has learnt of the average.
 const PASSES: u32 = 3;
@@ -174,10 +173,10 @@ impl Work<'_> {
     }
 
     /// Nothing is seen from where there is no place: coordinates beyond the range of f64.
-    fn truth(&self, s: f64, t: f64) -> Option<Truth> {
+    fn truth(&self, s: f64, t: f64) -> Option<(MeasurementPoint, Truth)> {
         self.evaluations.set(self.evaluations.get() + 1);
         let point = MeasurementPoint::new(self.layout.point(s, t), self.normal).ok()?;
-        Some(self.oracle.at(&point))
+        Some((point, self.oracle.at(&point)))
     }
 
     /// A first look at the integrals of irradiance, with and without occluders: 4 × 4 points a band.
@@ -190,7 +189,7 @@ impl Work<'_> {
                 for [low, high] in spans {
                     for share in PLACES {
                         let weight = stretch * (band.to - band.from) * (high - low) / 16.0;
-                        if let Some(truth) = self.truth(s, low + (high - low) * share) {
+                        if let Some((_, truth)) = self.truth(s, low + (high - low) * share) {
                             seen += weight * truth.irradiance.watts_per_square_metre();
                             unoccluded += weight * truth.unoccluded_irradiance.watts_per_square_metre();
                         }
@@ -261,25 +260,12 @@ impl Work<'_> {
 
     fn node(&self, s: f64, t: f64) -> Node<u64> {
         match self.truth(s, t) {
-            Some(truth) => Node {
+            Some((point, truth)) => Node {
                 value: truth.irradiance.watts_per_square_metre(),
                 error: truth.bound.watts_per_square_metre(),
-                kind: kind(&truth),
+                kind: self.oracle.topology(&point),
             },
             None => Node { value: 0.0, error: f64::INFINITY, kind: u64::MAX },
         }
     }
-}
-
-/// Equal numbers for equal kinds of view. STAND-IN: told from the answer alone, so that changes within the penumbra (a
-/// shadow's edge passing a corner of the source) are left to halving.
-fn kind(truth: &Truth) -> u64 {
-    let region = match truth.region {
-        Region::Lit => 0,
-        Region::Penumbra => 1,
-        Region::Umbra => 2,
-        Region::BelowHorizon => 3,
-        Region::Edge => 4,
-    };
-    2 * region + u64::from(truth.shadow_edge)
 }
