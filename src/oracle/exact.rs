@@ -208,6 +208,7 @@ impl Oracle {
         let Some(front) = Front::of(body, &form) else { return Seen::below() };
         let Some(piece) = Piece::of_source(&form, Vector::constant(n)) else { return Seen::below() };
         let unoccluded = point_factor::unoccluded(&form, &piece, Vector::constant(n));
+        let (unoccluded, is_wide) = self.sharpened(unoccluded, index, None, point, is_grazing(body, eye));
         let others = (0..self.occluders.len()).map(BodyAt::Occluder);
         let others = others.chain((0..self.sources.len()).filter(|i| *i != index).map(BodyAt::Source));
         let (mut pieces, mut blockers) = (Vec::new(), Vec::new());
@@ -226,11 +227,7 @@ impl Oracle {
             }
         }
         let sight = if piece.is_cut { Sight::Part } else { Sight::Whole };
-        let is_grazing = is_grazing(body, eye);
-        let whole = || {
-            let (visible, is_wide) = self.sharpened(unoccluded, index, None, point, is_grazing);
-            Seen { is_wide, ..Seen::new(visible, unoccluded.value, sight) }
-        };
+        let whole = || Seen { is_wide, ..Seen::new(unoccluded, unoccluded.value, sight) };
         if blockers.is_empty() {
             return whole();
         }

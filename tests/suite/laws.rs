@@ -141,7 +141,8 @@ proptest! {
         let scale = 10f64.powi(power) * stretch;
         let moved = |f: &Figure| f.moved(|p| p * scale, |v| v, scale);
         let b = truth(&[moved(&source)], &occluders.iter().map(moved).collect::<Vec<_>>(), DVec3::ZERO, n);
-        prop_assert!((factor(&a) - factor(&b)).abs() <= 2.0 * (bound(&a) + bound(&b)), "{a:?}\n{b:?}");
+        // Scaling rounds every coordinate to its last bit; values are exact for their inputs, and feel that in proportion.
+        prop_assert!((factor(&a) - factor(&b)).abs() <= 1e-14 + 2.0 * (bound(&a) + bound(&b)), "{a:?}\n{b:?}");
     }
 
     #[test]
