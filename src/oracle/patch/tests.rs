@@ -125,7 +125,7 @@ fn two_walls_past_a_re_entrant_edge() {
         expect(factor(&west, &south, occluders, relative), KNOWN, relative);
     }
     expect(factor(&south, &west, &room, 1e-5), KNOWN, 1e-5);
-    expect(factor(&west, &south, &[], 1e-9), 0.200_043_776_075_403_15, 1e-9);
+    expect(factor(&west, &south, &[], 1e-6), 0.200_043_776_075_403_15, 1e-6);
 }
 
 /// Pixels across an eclipse: coarse answers within their bounds of fine ones, and cheap.
