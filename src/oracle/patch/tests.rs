@@ -59,7 +59,7 @@ fn a_patch_sends_what_its_parts_send() {
     let occluder = Shape::Disk(Disk::new(DVec3::new(0.8, 0.7, 0.5), DVec3::Z, 0.2).unwrap());
     for occluders in [&[][..], std::slice::from_ref(&occluder)] {
         let sent = |patch: &Patch| {
-            let found = factor(patch, &ceiling, occluders, 1e-6);
+            let found = factor(patch, &ceiling, occluders, 1e-5);
             (found.form_factor.ratio() * patch.area(), found.bound * patch.area())
         };
         let (known, bound) = sent(&whole);
@@ -78,7 +78,7 @@ fn obstructed_exchange_is_the_same_both_ways() {
     let plate = Shape::Rectangle(rectangle([0.2, 0.1, 0.5], DVec3::X * 0.4, DVec3::Y * 0.3));
     let ball = Shape::Sphere(crate::geometry::Sphere::new(DVec3::new(-0.2, 0.2, 0.4), 0.15).unwrap());
     for occluders in [vec![plate.clone()], vec![ball.clone()], vec![plate, ball]] {
-        let relative = 1e-5;
+        let relative = 1e-4;
         let (there, back) = (factor(&low, &high, &occluders, relative), factor(&high, &low, &occluders, relative));
         let (there, back) = (
             (there.form_factor.ratio() * low.area(), there.bound * low.area()),
@@ -121,11 +121,11 @@ fn two_walls_past_a_re_entrant_edge() {
     let faces_south = Shape::Rectangle(rectangle([2.0, 1.0, 1.5], DVec3::X * 2.0, DVec3::Z * 3.0));
     let faces_west = Shape::Rectangle(rectangle([1.0, 2.0, 1.5], DVec3::Y * 2.0, DVec3::Z * 3.0));
     let room = [faces_south, faces_west];
-    for (relative, occluders) in [(1e-6, &room[..]), (1e-9, &room[..]), (1e-6, &room[..1])] {
+    for (relative, occluders) in [(1e-6, &room[..]), (1e-9, &room[..]), (1e-5, &room[..1])] {
         expect(factor(&west, &south, occluders, relative), KNOWN, relative);
     }
-    expect(factor(&south, &west, &room, 1e-6), KNOWN, 1e-6);
-    expect(factor(&west, &south, &[], 1e-9), 0.200_043_776_075_403_15, 1e-9);
+    expect(factor(&south, &west, &room, 1e-5), KNOWN, 1e-5);
+    expect(factor(&west, &south, &[], 1e-6), 0.200_043_776_075_403_15, 1e-6);
 }
 
 /// Pixels across an eclipse: coarse answers within their bounds of fine ones, and cheap.
@@ -169,7 +169,7 @@ fn an_empty_budget_is_told_by_the_bound() {
     let plate = Shape::Rectangle(rectangle([0.2, 0.1, 0.5], DVec3::X * 0.4, DVec3::Y * 0.3));
     let tight = Tolerance { most_evaluations: 3000, ..Tolerance::relative(1e-12) };
     let found = patch_to_patch(&low, &high, std::slice::from_ref(&plate), tight).unwrap();
-    let known = factor(&low, &high, &[plate], 1e-8);
+    let known = factor(&low, &high, &[plate], 1e-6);
     assert!(found.evaluations < 20_000, "{found:?}");
     assert!((found.form_factor.ratio() - known.form_factor.ratio()).abs() <= found.bound + known.bound);
     assert!(found.bound > 1e-11, "{found:?}");
