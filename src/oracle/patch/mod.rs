@@ -1,15 +1,26 @@
-//! Form factors between finite patches: closed forms where they exist.
+//! Form factors between finite patches, and averages over them: closed forms where they exist, and for any pair behind any
+//! occluders quadrature of the exact point value.
 //!
 //! A factor `a_to_b` leaves a and arrives at b: the power that b receives from a is exitance × area of a × `a_to_b`.
 //! Reciprocity turns it around: area of a × `a_to_b` = area of b × `b_to_a`.
 
+mod adaptive;
+mod average;
 mod closed;
+mod surface;
+
+#[cfg(test)]
+mod tests;
 
 use thiserror::Error;
 
+use crate::configuration::ConfigurationError;
+
+pub use average::{Average, PatchFactor, Tolerance, average_irradiance, patch_to_patch};
 pub use closed::{
     disk_to_disk, patch_to_patch_inside_sphere, rectangle_to_adjoining_rectangle, rectangle_to_opposite_rectangle,
 };
+pub use surface::Patch;
 
 /// Why a pair of patches was refused.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -24,9 +35,19 @@ pub enum PatchError {
     TooUneven { ratio: f64 },
     #[error("the patch is {share} times as large as the sphere that it lies on")]
     LargerThanSphere { share: f64 },
+    #[error("the coordinates leave the range of f64")]
+    OutOfRange,
+    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
+    Configuration(Vec<ConfigurationError>),
 }
 
 impl PatchError {
     /// The largest ratio of two lengths of a pair: beyond it, squares of squares leave the range of f64.
     pub const MOST_UNEVEN: f64 = 1e60;
+}
+
+impl From<Vec<ConfigurationError>> for PatchError {
+    fn from(mistakes: Vec<ConfigurationError>) -> PatchError {
+        PatchError::Configuration(mistakes)
+    }
 }
