@@ -11,6 +11,7 @@ mod estimator_laws;
 mod exact;
 mod laws;
 mod papers;
+mod published;
 mod radiometry;
 #[cfg(all(feature = "cli", feature = "plots"))]
 mod reference;
