@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::outline;
+use super::surface::Surface;
 use crate::geometry::{Shape, Sphere};
 
 /// A surface that emits or blocks.
@@ -26,6 +27,8 @@ pub(super) enum Figure {
         radius: f64,
     },
     Flat(Flat),
+    /// A mesh that is not flat: an occluder only.
+    Mesh(Box<Surface>),
 }
 
 /// A flat figure with straight edges: one outline or several, with holes or without.
@@ -42,7 +45,7 @@ pub(super) struct Flat {
 }
 
 impl Body {
-    /// The bodies that a shape is made of: one, but for a mesh, where each flat patch is one.
+    /// The bodies that a shape is made of: one, but for a flat mesh whose faces overlap.
     ///
     /// - `scale`: a power of two that all lengths are multiplied by
     pub fn of_shape(shape: &Shape, scale: f64) -> Vec<Body> {
@@ -74,13 +77,25 @@ impl Body {
                     convex: s.is_convex(),
                 })]
             }
-            Shape::Mesh(s) => outline::flat_patches(s, scale).into_iter().map(Body::of_flat).collect(),
+            Shape::Mesh(s) => {
+                let patches: Vec<Body> = outline::flat_patches(s, scale).into_iter().map(Body::of_flat).collect();
+                if patches.len() <= 1 { patches } else { vec![Body::of_surface(Surface::new(s, scale, patches))] }
+            }
         }
     }
 
     fn of_ball(sphere: &Sphere, scale: f64) -> Body {
         let radius = sphere.radius() * scale;
         Body { figure: Figure::Ball { radius }, center: sphere.center() * scale, reach: radius }
+    }
+
+    fn of_surface(surface: Surface) -> Body {
+        let points = &surface.points;
+        let low = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+        let high = points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+        let center = low + (high - low) * 0.5;
+        let reach = points.iter().map(|p| p.distance(center)).fold(0.0, f64::max);
+        Body { figure: Figure::Mesh(Box::new(surface)), center, reach }
     }
 
     fn of_flat(flat: Flat) -> Body {

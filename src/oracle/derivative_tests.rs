@@ -259,3 +259,48 @@ fn a_wrong_parameter_is_told_what_there_is() {
     assert!(said("source.0.centre.x").contains("accepted are source.N.FIELD"));
     assert!(said("occluder.0.exitance").contains("names no number"));
 }
+
+/// A bipyramid, its silhouette crossed by itself from some sides and cut by the source's plane from others.
+#[test]
+fn a_mesh_moves_as_a_whole() {
+    let mut numbers = Numbers(41);
+    let mut compared = 0;
+    for _ in 0..40 {
+        let middle = DVec3::Z * 1.5 + numbers.vector(0.4);
+        let mut corners = vec![middle + DVec3::Z * 0.375, middle - DVec3::Z * 0.125];
+        corners.extend((0..5).map(|k| {
+            let (sin, cos) = (TAU * f64::from(k) / 5.0).sin_cos();
+            middle + DVec3::new(cos, sin, 0.0) * 0.25 + numbers.vector(0.05)
+        }));
+        let faces: Vec<_> = (0..5).flat_map(|k| [0, 1].map(|top| [top, 2 + k, 2 + (k + 1) % 5])).collect();
+        let oracle_at = |shift: DVec3| {
+            let mesh =
+                crate::geometry::Mesh::new(corners.iter().map(|c| *c + shift).collect(), faces.clone()).unwrap();
+            let disk = Disk::new(DVec3::Z * 3.0, -DVec3::Z, 0.6).unwrap();
+            let source = Source::new(Shape::Disk(disk), Exitance::new(1.0)).unwrap();
+            let point = MeasurementPoint::new(DVec3::ZERO, DVec3::new(0.1, 0.2, 1.0)).unwrap();
+            let configuration =
+                Configuration::new(vec![source], vec![Shape::Mesh(mesh)], None, vec![point], Arrangement::Scattered)
+                    .unwrap();
+            (Oracle::new(&configuration), configuration, point)
+        };
+        let (oracle, configuration, point) = oracle_at(DVec3::ZERO);
+        let names = ["x", "y", "z"].map(|axis| format!("occluder.0.position.{axis}").parse::<Parameter>().unwrap());
+        let parameters = oracle.parameters(&configuration, &names).unwrap();
+        let values = oracle.derivatives(&point, &parameters).values.unwrap();
+        for (axis, value) in DVec3::AXES.iter().zip(values) {
+            let step = 2f64.powi(-17);
+            let [above, below] = [1.0, -1.0].map(|side| {
+                let (oracle, _, point) = oracle_at(*axis * (side * step));
+                (oracle.at(&point).irradiance.watts_per_square_metre(), oracle.topology(&point))
+            });
+            if above.1 != below.1 {
+                continue;
+            }
+            let difference = (above.0 - below.0) / (2.0 * step);
+            assert!((value - difference).abs() < 1e-9, "{value} against {difference}");
+            compared += usize::from(value != 0.0);
+        }
+    }
+    assert!(compared > 60, "{compared}");
+}

@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::body::{Body, Figure, Flat};
+use super::silhouette::SurfaceForm;
 use crate::number::{Dual, Number, Vector, Wide};
 
 /// A body relative to the eye.
@@ -11,6 +12,7 @@ pub(super) enum Form<'a, T = f64> {
     Disk { center: Vector<T>, normal: Vector<T>, radius: T },
     Ball { center: Vector<T>, radius: T },
     Flat(FlatForm<'a, T>),
+    Mesh(SurfaceForm<'a, T>),
 }
 
 #[derive(Clone, Debug)]
@@ -108,6 +110,8 @@ impl<'a, const N: usize, T: Number> Form<'a, Dual<N, T>> {
                 }
                 (Form::Flat(flat), Motion::Corners(by)) => flat.push(k, |i| by[i]),
                 (Form::Flat(flat), Motion::Center(by)) => flat.push(k, |_| *by),
+                // Seen from the mesh, the eye moves.
+                (Form::Mesh(mesh), Motion::Center(by)) => push(&mut mesh.eye, k, -*by),
                 _ => unreachable!("a motion is made for its body"),
             }
         }
@@ -166,6 +170,7 @@ impl<'a, T: Number> Form<'a, T> {
             Figure::Ball { radius } => {
                 Form::Ball { center: Vector::constant(body.center) - eye, radius: T::constant(*radius) }
             }
+            Figure::Mesh(surface) => Form::Mesh(SurfaceForm { surface, eye, center: body.center, reach: body.reach }),
             Figure::Flat(shape) => {
                 let origin = Vector::constant(shape.origin) - eye;
                 let corners = shape.offsets.iter().map(|offset| origin + Vector::constant(*offset)).collect();
@@ -188,6 +193,8 @@ impl<'a, T: Number> Form<'a, T> {
         match self {
             Form::Disk { center, normal, .. } => HalfSpace { normal: *normal, k: -normal.dot(*center) },
             Form::Flat(flat) => HalfSpace { normal: flat.normal, k: -flat.normal.dot(flat.corners[0]) },
+            // No source: nothing lies before it.
+            Form::Mesh(_) => HalfSpace { normal: Vector::constant(DVec3::ZERO), k: T::constant(-1.0) },
             Form::Ball { center, radius } => {
                 let distance = center.length();
                 let k = (distance - *radius) * (distance + *radius) / distance;

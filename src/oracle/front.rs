@@ -38,6 +38,7 @@ impl Front<'_> {
                 let center = center.primal();
                 return (center.length() > *radius).then(|| Front { source, center, keep: form.front() });
             }
+            Form::Mesh(_) => return None,
         };
         let keep = form.front();
         let noise = 4.0 * f64::EPSILON * (on_plane.length() + source.reach);
@@ -79,6 +80,12 @@ impl Front<'_> {
             }
             (Figure::Ball { radius }, Figure::Flat(shape))
                 if self.is_cut_by(occluder, center, shape.normal, shape.origin - eye + shape.offsets[0], *radius) =>
+            {
+                return Blocking::Within;
+            }
+            (Figure::Ball { radius }, Figure::Mesh(surface))
+                if center.distance(self.center) < occluder.reach + radius
+                    && surface.may_reach_into(self.source.center, *radius) =>
             {
                 return Blocking::Within;
             }

@@ -24,6 +24,8 @@ mod point_factor;
 mod polynomial;
 mod quadrature;
 mod rim;
+mod silhouette;
+mod surface;
 mod trigonometric;
 mod truth;
 

@@ -17,8 +17,10 @@
 use glam::DVec3;
 
 use super::crossing::{self, crossings};
+use super::great_arc::GreatArc;
 use super::piece::{Curve, Piece};
 use super::rim::Term;
+use super::silhouette::{Beside, Coverage};
 use crate::number::{Number, Vector};
 
 /// Where on a sub-arc to ask: irregular, so that no symmetry of a case puts a contact on every one of them.
@@ -27,6 +29,8 @@ const PROBES: [f64; 5] = [0.4142, 0.7321, 0.2361, 0.8541, 0.0902];
 const CLEAR: f64 = 1e-7;
 /// A direction this near to an outline may be on either.
 const DOUBTFUL: f64 = 16.0 * f64::EPSILON;
+/// An edge whose ends lie this far to one side of a great circle does not meet it, nor run along it.
+const APART: f64 = 1e-12;
 
 /// What is left of a source, as contour terms (each still to be divided by 2π).
 #[derive(Clone, Debug, Default)]
@@ -192,9 +196,11 @@ enum By {
     Curve(usize),
 }
 
-/// Two curves on one circle.
+/// Another curve on the same circle.
+#[derive(Clone, Copy)]
 struct Together {
-    curves: [usize; 2],
+    other: usize,
+    /// Whether both bound the same side.
     alike: bool,
 }
 
@@ -221,19 +227,31 @@ pub(super) fn visible(n: DVec3, source: &Piece, occluders: &[Piece]) -> Visible 
         })
         .collect();
     let mut splits: Vec<Split> = Vec::with_capacity(4 * boundaries.len());
-    let mut together: Vec<Together> = Vec::new();
-    let mut touching: Vec<usize> = Vec::new();
+    let mut together: Vec<Vec<Together>> = vec![Vec::new(); boundaries.len()];
+    let mut touching = vec![false; boundaries.len()];
     for (i, a) in boundaries.iter().enumerate() {
         for (j, b) in boundaries.iter().enumerate().skip(i + 1) {
-            if a.at.piece == b.at.piece {
+            let are_one_piece = a.at.piece == b.at.piece;
+            if are_one_piece && (pieces[a.at.piece].coverage().is_none() || are_apart(a.curve, b.curve)) {
                 continue;
             }
+            let known = splits.len();
             let meeting = crossings(a.curve, b.curve, |s, t| {
                 splits.extend([Split { curve: i, t: s, by: By::Curve(j) }, Split { curve: j, t, by: By::Curve(i) }]);
             });
-            together.extend(meeting.along.map(|alike| Together { curves: [i, j], alike }));
-            if meeting.touching && meeting.along.is_none() {
-                touching.extend([i, j]);
+            let meets_at_corner = are_one_piece && share_corner(a.curve, b.curve);
+            match meeting.along {
+                // The same line run on.
+                Some(_) if meets_at_corner && splits.len() == known => {}
+                Some(alike) => {
+                    together[i].push(Together { other: j, alike });
+                    together[j].push(Together { other: i, alike });
+                }
+                None if meets_at_corner => splits.truncate(known),
+                None => {
+                    touching[i] |= meeting.touching;
+                    touching[j] |= meeting.touching;
+                }
             }
         }
     }
@@ -260,9 +278,10 @@ struct Contour<'a> {
     n: Vector<f64>,
     pieces: Vec<&'a Piece>,
     boundaries: Vec<Boundary<'a>>,
-    together: Vec<Together>,
-    /// Curves that touch another.
-    touching: Vec<usize>,
+    /// Of each curve.
+    together: Vec<Vec<Together>>,
+    /// Whether a curve touches another.
+    touching: Vec<bool>,
 }
 
 impl Contour<'_> {
@@ -317,6 +336,7 @@ impl Contour<'_> {
                 Side::Outside => true,
                 Side::Along => at.piece < j,
             });
+            let edge = edge && arc.bounds_its_piece();
             let doubtful = arc.nearest < DOUBTFUL;
             sum.touching |= arc.along;
             if edge {
@@ -346,11 +366,7 @@ impl Contour<'_> {
             By::Curve(j) => {
                 let Boundary { at: other, curve: crossed } = self.boundaries[j];
                 let point = curve.point(split.t);
-                let together = self
-                    .together
-                    .iter()
-                    .any(|pair| pair.curves == [begin.curve, j] || pair.curves == [j, begin.curve]);
-                if !together {
+                if !self.together[begin.curve].iter().any(|pair| pair.other == j) {
                     return Stop::Crossing { other, near: point.primal().normalize() };
                 }
                 let (start, end) = crossed.range();
@@ -359,7 +375,7 @@ impl Contour<'_> {
             }
         };
         let arc = OutlineArc { curve: at, from: stop(begin), to: stop(end), length: end.t - begin.t };
-        sum.touching |= self.touching.contains(&begin.curve);
+        sum.touching |= self.touching[begin.curve];
         sum.outline.arcs.push(arc);
     }
 }
@@ -378,21 +394,16 @@ struct Arc<'a> {
 
 impl Arc<'_> {
     fn side(&mut self, piece: usize) -> Side {
-        let Contour { boundaries, together, pieces, .. } = self.contour;
+        let Contour { boundaries, pieces, .. } = self.contour;
         let curve = boundaries[self.curve].curve;
-        for Together { curves: [a, b], alike } in together {
-            let other = if *a == self.curve {
-                *b
-            } else if *b == self.curve {
-                *a
-            } else {
-                continue;
+        let along: Vec<(usize, bool)> = self.along(piece).collect();
+        if let Some((_, alike)) = along.first() {
+            self.along = true;
+            return match pieces[piece].coverage() {
+                Some(coverage) => self.beside(coverage, &along),
+                None if *alike => Side::Along,
+                None => Side::Against,
             };
-            let direction = curve.point(0.5 * (self.from + self.to));
-            if boundaries[other].at.piece == piece && covers(boundaries[other].curve, direction) {
-                self.along = true;
-                return if *alike { Side::Along } else { Side::Against };
-            }
         }
         let mut decisive: f64 = 0.0;
         for share in PROBES {
@@ -408,6 +419,68 @@ impl Arc<'_> {
         self.nearest = self.nearest.min(decisive.abs());
         if decisive > 0.0 { Side::Inside } else { Side::Outside }
     }
+
+    /// Curves of a piece that run along this sub-arc, by their place in it.
+    fn along(&self, piece: usize) -> impl Iterator<Item = (usize, bool)> {
+        let Contour { boundaries, together, .. } = self.contour;
+        let middle = boundaries[self.curve].curve.point(0.5 * (self.from + self.to));
+        together[self.curve].iter().filter_map(move |Together { other, alike }| {
+            let Boundary { at, curve } = boundaries[*other];
+            (at.piece == piece && covers(curve, middle)).then_some((at.index, *alike))
+        })
+    }
+
+    /// Whether its own piece ends here: a mesh may cover both sides, or have several edges one behind the other.
+    fn bounds_its_piece(&mut self) -> bool {
+        let Contour { boundaries, pieces, .. } = self.contour;
+        let at = boundaries[self.curve].at;
+        let Some(coverage) = pieces[at.piece].coverage() else { return true };
+        let mut along = vec![(at.index, true)];
+        along.extend(self.along(at.piece));
+        self.along |= along.len() > 1;
+        let speaks_for_all = along.iter().all(|(index, alike)| !alike || at.index <= *index);
+        speaks_for_all && self.beside(coverage, &along) == Side::Along
+    }
+
+    /// - `along`: the mesh's curves that run along this sub-arc
+    fn beside(&mut self, coverage: &Coverage, along: &[(usize, bool)]) -> Side {
+        let Curve::Straight(arc) = self.contour.boundaries[self.curve].curve else { return Side::Outside };
+        let mut decisive: Option<Beside> = None;
+        for share in PROBES {
+            let direction = arc.point(self.from + (self.to - self.from) * share).primal();
+            let beside = coverage.beside(direction, arc.normal.primal(), along);
+            if decisive.is_none_or(|best| beside.nearest > best.nearest) {
+                decisive = Some(beside);
+            }
+            if beside.nearest > CLEAR {
+                break;
+            }
+        }
+        let Some(Beside { left, right, nearest }) = decisive else { return Side::Outside };
+        self.nearest = self.nearest.min(nearest);
+        match (left > 0, right > 0) {
+            (true, true) => Side::Inside,
+            (true, false) => Side::Along,
+            (false, true) => Side::Against,
+            (false, false) => Side::Outside,
+        }
+    }
+}
+
+/// Whether two straight curves surely do not meet.
+fn are_apart(a: &Curve, b: &Curve) -> bool {
+    let (Curve::Straight(a), Curve::Straight(b)) = (a, b) else { return false };
+    let is_beside = |a: &GreatArc, b: &GreatArc| {
+        let [p, q] = b.ends.map(|end| a.normal.dot(end));
+        p.min(q) > APART || p.max(q) < -APART
+    };
+    is_beside(a, b) || is_beside(b, a)
+}
+
+/// Whether two straight curves end in one corner: then they meet nowhere else.
+fn share_corner(a: &Curve, b: &Curve) -> bool {
+    let (Curve::Straight(a), Curve::Straight(b)) = (a, b) else { return false };
+    a.ends.iter().any(|p| b.ends.iter().any(|q| p.primal() == q.primal()))
 }
 
 /// Whether a direction on a curve's circle lies between the curve's ends.

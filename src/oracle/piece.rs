@@ -7,6 +7,7 @@ use glam::DVec3;
 use super::form::{FlatForm, Form, HalfSpace};
 use super::great_arc::GreatArc;
 use super::rim::{Rim, RimCut, Term};
+use super::silhouette::{self, Coverage};
 use crate::number::{Number, Vector};
 
 /// A part of the boundary of a set of directions; the set lies to its left (`r × dr`).
@@ -73,6 +74,8 @@ enum Inside<T> {
     /// Even-odd among the edges (as [from, to] in the plane one unit away): corners are computed once, so that the edges
     /// which share one agree on which side of it a direction passes.
     EvenOdd { axis: Vector<T>, u: Vector<T>, v: Vector<T>, edges: Vec<[[f64; 2]; 2]> },
+    /// Where faces lie.
+    Covered(Box<Coverage>),
 }
 
 impl Piece {
@@ -85,11 +88,20 @@ impl Piece {
             Inside::Round { rim, cut: Some(plane) } => rim.margin(d).min(on(plane)),
             Inside::Cap { silhouette, cut, section } => silhouette.margin(d).min(on(cut)).max(section.margin(d)),
             Inside::Convex => self.arcs().map(|arc| on(&arc.normal)).fold(f64::INFINITY, f64::min),
+            Inside::Covered(coverage) => coverage.margin(d),
             Inside::EvenOdd { axis, u, v, edges } => {
                 let nearest = self.arcs().map(|arc| arc.distance(d)).fold(f64::INFINITY, f64::min);
                 let depth = on(axis);
                 if depth > 0.0 && is_inside(edges, [on(u) / depth, on(v) / depth]) { nearest } else { -nearest }
             }
+        }
+    }
+
+    /// Of a mesh, whose curves may cross one another, and may lie where it covers both sides.
+    pub fn coverage(&self) -> Option<&Coverage> {
+        match &self.inside {
+            Inside::Covered(coverage) => Some(coverage),
+            _ => None,
         }
     }
 
@@ -110,6 +122,11 @@ impl<T: Number> Piece<T> {
             (Form::Ball { center, radius }, None) => round(Rim::of_silhouette(*center, *radius)?, None),
             (Form::Ball { center, radius }, Some(keep)) => ball(*center, *radius, keep),
             (Form::Flat(form), _) => flat(form, keep),
+            (Form::Mesh(form), _) => {
+                let (arcs, coverage, is_cut) = silhouette::outline(form, keep)?;
+                let curves = arcs.into_iter().map(Curve::Straight).collect();
+                Some(Piece { curves, is_cut, inside: Inside::Covered(Box::new(coverage)) })
+            }
         }
     }
 
@@ -122,6 +139,7 @@ impl<T: Number> Piece<T> {
             Form::Disk { center, normal, radius } => round(Rim::of_disk(*center, *normal, *radius)?, above),
             Form::Ball { center, radius } => round(Rim::of_silhouette(*center, *radius)?, above),
             Form::Flat(form) => flat(form, above),
+            Form::Mesh(_) => None,
         }
     }
 }

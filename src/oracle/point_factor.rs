@@ -37,6 +37,7 @@ pub(super) fn unoccluded<T: Number>(form: &Form<T>, piece: &Piece<T>, n: Vector<
             Some(rim) => disk(n, rim),
             None => contour(n, piece).positive(),
         },
+        Form::Mesh(_) => contour(n, piece).positive(),
         Form::Flat(flat) => {
             let is_small = flat.reach < SMALL * flat.center.primal().length();
             if is_small && !piece.is_cut && !T::CANCELS_FREELY {

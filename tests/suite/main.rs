@@ -10,6 +10,7 @@ mod determinism;
 mod estimator_laws;
 mod exact;
 mod laws;
+mod meshes;
 mod papers;
 mod published;
 mod radiometry;

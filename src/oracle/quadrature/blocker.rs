@@ -32,7 +32,8 @@ struct Spot {
 }
 
 impl<'a> Blocker<'a> {
-    pub fn new(body: &'a Body, eye: DVec3, unit: f64) -> Blocker<'a> {
+    /// One for each figure of the body: of a mesh, each of its flat patches.
+    pub fn of_body(body: &'a Body, eye: DVec3, unit: f64) -> Vec<Blocker<'a>> {
         let center = (body.center - eye) / unit;
         let form = match &body.figure {
             Figure::Disk { normal, radius, .. } => Form::Disk { center, normal: *normal, radius: radius / unit },
@@ -41,9 +42,12 @@ impl<'a> Blocker<'a> {
                 let points = shape.offsets.iter().map(|p| (shape.origin - eye + *p) / unit).collect();
                 Form::Flat { shape, points }
             }
+            Figure::Mesh(surface) => {
+                return surface.patches.iter().flat_map(|patch| Blocker::of_body(patch, eye, unit)).collect();
+            }
         };
         let noise = 4.0 * f64::EPSILON * (center.length() + body.reach / unit);
-        Blocker { form, noise, range: [f64::NEG_INFINITY, f64::INFINITY] }
+        vec![Blocker { form, noise, range: [f64::NEG_INFINITY, f64::INFINITY] }]
     }
 
     /// A flat figure's edges; none of the others.

@@ -108,6 +108,8 @@ impl<'a> View<'a> {
         let (down, height, ball) = match &source.figure {
             Figure::Disk { normal, .. } => (-*normal, -normal.dot(middle), None),
             Figure::Flat(shape) => (-shape.normal, -shape.normal.dot(middle), None),
+            // No source.
+            Figure::Mesh(_) => return None,
             Figure::Ball { .. } => {
                 let distance = middle.length();
                 (middle / distance, (distance - reach) * (distance + reach) / distance, Some(reach))
@@ -121,7 +123,7 @@ impl<'a> View<'a> {
         let height_doubt = if ball.is_some() { 0.0 } else { rounding(down, middle) / height };
         let off_foot = middle - down * middle.dot(down);
         let at_foot = ball.is_some() || off_foot.length() < 2.0 * reach;
-        let blockers: Vec<Blocker> = occluders.iter().map(|body| Blocker::new(body, eye, unit)).collect();
+        let blockers: Vec<Blocker> = occluders.iter().flat_map(|body| Blocker::of_body(body, eye, unit)).collect();
         let frame = Frame::around(down);
         let axes = |turn: f64| {
             let (sin, cos) = turn.sin_cos();
@@ -139,6 +141,7 @@ impl<'a> View<'a> {
         let [e1, e2] = axes(least_parallel(&corners, &blockers, down, &axes));
         let outline = match &source.figure {
             Figure::Flat(_) => Outline::Edges(corners.iter().map(|edge| Edge::new(*edge, down, e1, e2)).collect()),
+            Figure::Mesh(_) => return None,
             Figure::Ball { .. } => {
                 Outline::Circle(Round::new(DVec3::ZERO, reach * (height / middle.length()).sqrt(), e1, e2))
             }
