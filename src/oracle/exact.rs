@@ -337,7 +337,8 @@ fn is_grazing(body: &Body, eye: DVec3) -> bool {
     let normal = match &body.figure {
         Figure::Disk { normal, .. } => *normal,
         Figure::Flat(shape) => shape.normal,
-        Figure::Ball { .. } => return false,
+        // Of many faces some are always seen edge-on, and those are small.
+        Figure::Ball { .. } | Figure::Mesh(_) => return false,
     };
     let center = body.center - eye;
     normal.dot(center).abs() < GRAZING * (center.length() + body.reach)

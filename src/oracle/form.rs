@@ -51,7 +51,7 @@ impl<'a, T: Number> FlatForm<'a, T> {
     }
 
     /// Corner `i` less the middle.
-    pub fn from_middle(&self, i: usize) -> Vector<T> {
+    pub fn beside_middle(&self, i: usize) -> Vector<T> {
         match &self.moved {
             Some(moved) => moved[i] - self.middle,
             None => Vector::constant(self.shape.offsets[i]) - self.middle,

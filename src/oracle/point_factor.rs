@@ -143,7 +143,7 @@ fn small_flat<T: Number>(n: Vector<T>, flat: &FlatForm<T>) -> Factor<T> {
     let (mut sum, mut size) = (T::zero(), 0.0);
     for [i, j] in &flat.shape.edges {
         let (i, j) = (*i as usize, *j as usize);
-        let (p, line) = (flat.from_middle(i), flat.line(i, j));
+        let (p, line) = (flat.beside_middle(i), flat.line(i, j));
         // Twice the vector area, times r: the same for all r of the triangle's plane.
         let facing = p.cross(line).dot(center);
         let mut mean = T::zero();
