@@ -8,7 +8,7 @@ use std::str::FromStr;
 
 use glam::DVec3;
 
-use super::exact::{BodyAt, Oracle, Seen, Sight};
+use super::exact::{BodyAt, Oracle, PARTED, Seen, Sight};
 use super::form::{self, Form, Motion};
 use super::truth::{Method, Truth};
 use crate::configuration::{Configuration, MeasurementPoint};
@@ -161,7 +161,8 @@ impl Side {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Derivatives {
     pub truth: Truth,
-    /// One for each parameter; W/m² per unit of the parameter. `None` where the irradiance has no closed form.
+    /// One for each parameter; W/m² per unit of the parameter. `None` where the irradiance has no closed form, or outlines
+    /// touch in a way that leaves its slopes undecided.
     pub values: Option<Vec<f64>>,
     pub side: Side,
 }
@@ -290,7 +291,10 @@ impl Oracle {
             })
         };
         let form = |at: BodyAt| Form::moving(self.body(at), eye, motions(at));
-        self.factor(source, seen.shadow.as_ref(), n, form).map(|factor| factor.value.slopes)
+        let factor = self.factor(source, seen.shadow.as_ref(), n, form)?;
+        // Where outlines touch, crossings found anew may be others than those that were decided on.
+        let off = (factor.value.primal() - seen.visible.value).abs();
+        (off <= 1e-12 * seen.unoccluded + PARTED * seen.visible.bound).then_some(factor.value.slopes)
     }
 }
 

@@ -105,6 +105,8 @@ impl Seen {
 
 /// Above this, relative to the value, a bound calls for numbers of twice the width.
 const LOOSE: f64 = 1e-12;
+/// Further from the plain value than this, in units of its bound, a wide one belongs to another topology.
+pub(super) const PARTED: f64 = 100.0;
 /// A plane is grazed where its height over the eye is less than this, in units of its body's distance and size.
 const GRAZING: f64 = 1e-3;
 /// Relative error of what these return, beside its rounding to `f64`; of the sum of the terms' sizes.
@@ -291,12 +293,13 @@ impl Oracle {
         let n = Vector::constant(point.normal_as_given()).normalize();
         let form = |at| Form::refined(self.body(at), eye);
         match self.factor(index, shadow, n, form) {
-            Some(wide) => {
+            // Where outlines touch, wide digits may see another topology than the one that was decided: then they tell nothing.
+            Some(wide) if (wide.value.primal() - plain.value).abs() <= PARTED * plain.bound => {
                 let value = wide.value.primal();
                 let bound = 4.0 * f64::EPSILON * value.abs() + WIDE_EPSILON * plain.bound / f64::EPSILON;
                 (Factor { value, bound }, true)
             }
-            None => (plain, false),
+            _ => (plain, false),
         }
     }
 
@@ -428,19 +431,22 @@ mod tests {
         let (f, bound) = (truth.form_factor.ratio(), truth.bound.watts_per_square_metre());
         let (value, error) = (strips.value, strips.error);
         prop_assert!(error < 1e-11, "strips {value:e} within no less than {error:e}");
+        // The strips take unit normals as rounded, the contour as given: a factor feels that by no more than this.
+        let normals = 1e-15;
         prop_assert!(
-            (f - value).abs() <= bound + error,
+            (f - value).abs() <= bound + error + normals,
             "{f:e} against strips {value:e} within {error:e}: {truth:?}"
         );
         prop_assert!(bound < 1e-9, "a bound of {bound:e} is of no use");
         // The same text over numbers of twice the width: what its bound covers, and no more than rounding.
         let seen = oracle.seen(&point).pop().unwrap();
-        if !matches!(seen.sight, Sight::Hidden | Sight::Below) && seen.method == Method::ClosedForm {
+        let is_told = !seen.touching && !matches!(seen.sight, Sight::Hidden | Sight::Below | Sight::Unclear);
+        if is_told && seen.method == Method::ClosedForm {
             let eye = Vector::constant(point.position()) * Wide::constant(oracle.scale);
             let n = Vector::constant(point.normal_as_given()).normalize();
             let wide = oracle.factor(0, seen.shadow.as_ref(), n, |at| Form::refined(oracle.body(at), eye));
             let wide = wide.map_or(f, |wide| wide.value.primal());
-            prop_assert!((f - wide).abs() <= bound, "{f:e} against {wide:e} over wide numbers: {truth:?}");
+            prop_assert!((f - wide).abs() <= bound + normals, "{f:e} against {wide:e} over wide numbers: {truth:?}");
         }
         Ok(())
     }

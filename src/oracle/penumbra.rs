@@ -58,6 +58,8 @@ pub(super) struct Visible {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Outline {
     arcs: Vec<OutlineArc>,
+    /// How many curves each piece had.
+    n_curves: Vec<usize>,
 }
 
 #[derive(Clone, Debug)]
@@ -137,8 +139,14 @@ impl Outline {
     /// The contour over the source's own stretches and over the occluders'. `None` where a piece over this number is not
     /// made of the same curves.
     ///
-    /// - `pieces`: at least those that are needed, with as many curves as the outline's own had
+    /// - `pieces`: at least those that are needed
     pub fn contour<T: Number>(&self, n: Vector<T>, pieces: &[Option<Piece<T>>]) -> Option<[Term<T>; 2]> {
+        let alike =
+            |(piece, n): (&Option<Piece<T>>, &usize)| piece.as_ref().is_none_or(|piece| piece.curves.len() == *n);
+        if !pieces.iter().zip(&self.n_curves).all(alike) {
+            // An edge that one rounding leaves and another takes away: places in the lists mean different curves.
+            return None;
+        }
         let curve = |at: CurveAt| pieces.get(at.piece)?.as_ref()?.curves.get(at.index);
         let mut sums = [Term::default(), Term::default()];
         for arc in &self.arcs {
@@ -265,6 +273,7 @@ pub(super) fn visible(n: DVec3, source: &Piece, occluders: &[Piece]) -> Visible 
 
     let contour = Contour { n: Vector::constant(n), pieces, boundaries, together, touching };
     let mut sum = Visible::default();
+    sum.outline.n_curves = contour.pieces.iter().map(|piece| piece.curves.len()).collect();
     let mut rest = splits.as_slice();
     for i in 0..contour.boundaries.len() {
         let (own, others) = rest.split_at(rest.partition_point(|s| s.curve == i));
