@@ -8,9 +8,9 @@ use std::str::FromStr;
 
 use glam::DVec3;
 
-use super::exact::{BodyAt, Oracle, PARTED, Seen, Sight};
+use super::exact::{BodyAt, Oracle, PARTED, Seen};
 use super::form::{self, Form, Motion};
-use super::truth::{Method, Truth};
+use super::truth::{Method, Sight, Truth};
 use crate::configuration::{Configuration, MeasurementPoint};
 use crate::geometry::Shape;
 use crate::number::{Dual, Number, Vector, Wide};

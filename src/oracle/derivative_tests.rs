@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
-use super::exact::Oracle;
+use super::exact::{self, Oracle};
 use super::form::Form;
 use super::{Parameter, Side};
 use crate::configuration::{Arrangement, Configuration, MeasurementPoint, Source};
@@ -112,11 +112,13 @@ fn configuration(source: &Numbered, occluders: &[Numbered], point: MeasurementPo
 fn wide(configuration: &Configuration) -> Option<(Wide, u64)> {
     let point = configuration.points()[0];
     let oracle = Oracle::new(configuration);
-    let seen = oracle.seen(&point).pop()?;
+    let mut seen = oracle.seen(&point);
+    let topology = exact::topology(&seen);
+    let seen = seen.pop()?;
     let eye = Vector::constant(point.position()) * Wide::constant(oracle.scale);
     let n = Vector::constant(point.normal_as_given()).normalize();
     let factor = oracle.factor(0, seen.shadow.as_ref(), n, |at| Form::refined(oracle.body(at), eye))?;
-    Some((factor.value, oracle.topology(&point)))
+    Some((factor.value, topology))
 }
 
 /// Random rooms; returns (those compared, worst error relative to the largest derivative of the room).
@@ -155,7 +157,7 @@ fn sweep(seed: u64, rooms: usize) -> (usize, f64) {
             continue;
         }
         let largest = values.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-        let here = oracle.topology(&point);
+        let here = exact::topology(&oracle.seen(&point));
         for ((owner, field), value) in names.iter().zip(&values) {
             let at = |by: f64| {
                 let (mut source, mut occluders) = (source.clone(), occluders.clone());
@@ -292,7 +294,7 @@ fn a_mesh_moves_as_a_whole() {
             let step = 2f64.powi(-17);
             let [above, below] = [1.0, -1.0].map(|side| {
                 let (oracle, _, point) = oracle_at(*axis * (side * step));
-                (oracle.at(&point).irradiance.watts_per_square_metre(), oracle.topology(&point))
+                (oracle.at(&point).irradiance.watts_per_square_metre(), exact::topology(&oracle.seen(&point)))
             });
             if above.1 != below.1 {
                 continue;

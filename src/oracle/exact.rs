@@ -9,7 +9,7 @@ use super::penumbra::{self, Outline, Visible};
 use super::piece::Piece;
 use super::point_factor::{self, Factor};
 use super::quadrature::{self, Strips};
-use super::truth::{Method, Region, Truth};
+use super::truth::{Method, Region, Sight, Truth};
 use crate::configuration::{Configuration, MeasurementPoint, Source};
 use crate::number::{Number, Vector, Wide};
 use crate::radiometry::{FormFactor, Irradiance};
@@ -46,16 +46,6 @@ pub(super) enum BodyAt {
     Occluder(usize),
 }
 
-/// How a point sees one source.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Sight {
-    Whole,
-    Part,
-    Hidden,
-    Below,
-    Unclear,
-}
-
 /// One source at one point.
 #[derive(Debug)]
 pub(super) struct Seen {
@@ -68,6 +58,8 @@ pub(super) struct Seen {
     /// What cuts it.
     pub shadow: Option<Shadow>,
     pub shadow_edge: bool,
+    /// Whether all of its own outline is seen, and an occluder's before it.
+    pub is_ring: bool,
     /// Whether a small move of anything would change the shadow's topology.
     pub touching: bool,
 }
@@ -92,6 +84,7 @@ impl Seen {
             is_wide: false,
             shadow: None,
             shadow_edge: false,
+            is_ring: false,
             touching: false,
         }
     }
@@ -111,6 +104,28 @@ pub(super) const PARTED: f64 = 100.0;
 const GRAZING: f64 = 1e-3;
 /// Relative error of what these return, beside its rounding to `f64`; of the sum of the terms' sizes.
 const WIDE_EPSILON: f64 = 1e-28;
+
+/// Equal numbers where the visible parts' outlines are made of the same stretches of the same curves: between places
+/// with different ones the irradiance need not be smooth.
+///
+/// - `sources`: every source as a point sees it
+pub(super) fn topology(sources: &[Seen]) -> u64 {
+    use std::hash::{DefaultHasher, Hash, Hasher};
+    let mut hasher = DefaultHasher::new();
+    for seen in sources {
+        seen.sight.hash(&mut hasher);
+        if let Some(shadow) = &seen.shadow {
+            shadow.source_hidden.hash(&mut hasher);
+            shadow.outline.topology(&mut hasher);
+        }
+    }
+    hasher.finish()
+}
+
+/// Whether all outlines of the sources are seen, and something before one of them: a closed ring of it is left.
+pub(super) fn is_annular(sources: &[Seen]) -> bool {
+    sources.iter().all(|seen| seen.sight == Sight::Whole || seen.is_ring) && sources.iter().any(|seen| seen.is_ring)
+}
 
 impl Oracle {
     pub fn new(configuration: &Configuration) -> Oracle {
@@ -147,7 +162,6 @@ impl Oracle {
     pub(super) fn together(&self, sources: &[Seen]) -> Truth {
         let (mut irradiance, mut unoccluded, mut form_factor, mut bound) = (0.0, 0.0, 0.0, 0.0);
         let (mut shadow_edge, mut method) = (false, Method::ClosedForm);
-        let count = |sight| sources.iter().filter(|seen| seen.sight == sight).count();
         for (seen, source) in sources.iter().zip(&self.sources) {
             irradiance += source.exitance * seen.visible.value;
             unoccluded += source.exitance * seen.unoccluded;
@@ -158,42 +172,15 @@ impl Oracle {
                 method = Method::Quadrature;
             }
         }
-        let [whole, below, hidden, unclear] = [Sight::Whole, Sight::Below, Sight::Hidden, Sight::Unclear].map(count);
-        let region = if whole == sources.len() {
-            Region::Lit
-        } else if below == sources.len() {
-            Region::BelowHorizon
-        } else if hidden + below == sources.len() {
-            Region::Umbra
-        } else if unclear > 0 && (whole + unclear == sources.len() || hidden + below + unclear == sources.len()) {
-            Region::Edge
-        } else {
-            Region::Penumbra
-        };
         Truth {
             irradiance: Irradiance::new(irradiance),
             unoccluded_irradiance: Irradiance::new(unoccluded),
             form_factor: FormFactor::new(form_factor),
             bound: Irradiance::new(bound),
-            region,
+            region: Region::of(sources.iter().map(|seen| seen.sight)),
             method,
             shadow_edge,
         }
-    }
-
-    /// Equal numbers where the visible parts' outlines are made of the same stretches of the same curves: between places
-    /// with different ones the irradiance need not be smooth.
-    pub(super) fn topology(&self, point: &MeasurementPoint) -> u64 {
-        use std::hash::{DefaultHasher, Hash, Hasher};
-        let mut hasher = DefaultHasher::new();
-        for seen in self.seen(point) {
-            (seen.sight as u8).hash(&mut hasher);
-            if let Some(shadow) = &seen.shadow {
-                shadow.source_hidden.hash(&mut hasher);
-                shadow.outline.topology(&mut hasher);
-            }
-        }
-        hasher.finish()
     }
 
     pub(super) fn body(&self, at: BodyAt) -> &Body {
@@ -268,6 +255,12 @@ impl Oracle {
         Seen {
             is_wide,
             shadow_edge: seen.shadow_edge,
+            is_ring: told
+                && seen.shadow_edge
+                && !seen.source_hidden
+                && !piece.is_cut
+                && !seen.touching
+                && doubt == 0.0,
             touching: seen.touching || doubt > 0.0,
             shadow: Some(shadow),
             ..Seen::new(visible, unoccluded.value, if told { Sight::Part } else { Sight::Unclear })

@@ -38,6 +38,35 @@ impl fmt::Display for Region {
     }
 }
 
+/// How a point sees one source.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Sight {
+    Whole,
+    Part,
+    Hidden,
+    Below,
+    /// Whether it is whole (or hidden) or only in part is below the bound.
+    Unclear,
+}
+
+impl Region {
+    /// Of all sources together.
+    pub(super) fn of(sights: impl Iterator<Item = Sight> + Clone) -> Region {
+        let all = |accepted: &[Sight]| sights.clone().all(|sight| accepted.contains(&sight));
+        if all(&[Sight::Whole]) {
+            Region::Lit
+        } else if all(&[Sight::Below]) {
+            Region::BelowHorizon
+        } else if all(&[Sight::Hidden, Sight::Below]) {
+            Region::Umbra
+        } else if all(&[Sight::Whole, Sight::Unclear]) || all(&[Sight::Hidden, Sight::Below, Sight::Unclear]) {
+            Region::Edge
+        } else {
+            Region::Penumbra
+        }
+    }
+}
+
 /// How an exact value was found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {

@@ -4,12 +4,10 @@
 //! everywhere else.
 //!
 //! Limits of the search: a stretch shorter than 1/1024 of the line that begins and ends between two scanned places may be
-//! missed. Antumbras are told for one source and one occluder only, and of pairs of round shapes only for parallel disks and
-//! for two spheres; elsewhere they count as the penumbra that they are part of.
+//! missed. Where an occluder may reach into a sphere source an antumbra counts as the penumbra that it is a part of.
 
 mod closed;
 mod path;
-mod ring;
 mod search;
 
 use std::fmt;
@@ -26,7 +24,7 @@ pub use path::{NoPath, Path};
 pub enum Phase {
     BelowHorizon,
     Umbra,
-    /// Sees a closed ring of the source around the whole occluder; a part of the penumbra.
+    /// Sees the whole outline of every source, and an occluder before one: a closed ring of it is left. A part of the penumbra.
     Antumbra,
     Penumbra,
     Lit,

@@ -1,9 +1,10 @@
 //! Limits by a scan and bisection on the exact side's own classification.
 
 use super::path::Path;
-use super::{Limit, LimitMethod, Phase, ring};
+use super::{Limit, LimitMethod, Phase};
 use crate::configuration::{Configuration, Source};
-use crate::oracle::{Oracle, Region};
+use crate::oracle::Region;
+use crate::oracle::exact::{self, Oracle};
 
 /// Even stretches of the first scan.
 const STRETCHES: u32 = 1024;
@@ -20,7 +21,7 @@ pub(super) fn limits(configuration: &Configuration, path: &Path) -> Vec<Limit> {
         .chain([0.0, path.length()].map(|end| path.at(end).position()))
         .map(|corner| corner.abs().max_element())
         .fold(0.0, f64::max);
-    let search = Search { oracle: Oracle::new(configuration), configuration, path, size };
+    let search = Search { oracle: Oracle::new(configuration), path, size };
     let mut found = Vec::new();
     let mut last: Option<Place> = None;
     for i in 0..=STRETCHES {
@@ -43,7 +44,6 @@ struct Place {
 
 struct Search<'a> {
     oracle: Oracle,
-    configuration: &'a Configuration,
     path: &'a Path,
     /// The largest coordinate in the room, metres.
     size: f64,
@@ -52,13 +52,13 @@ struct Search<'a> {
 impl Search<'_> {
     /// `None` where the exact side cannot tell.
     fn phase(&self, distance: f64) -> Option<Phase> {
-        let point = self.path.at(distance);
-        match self.oracle.at(&point).region {
+        let seen = self.oracle.seen(&self.path.at(distance));
+        match self.oracle.together(&seen).region {
             Region::Edge => None,
             Region::BelowHorizon => Some(Phase::BelowHorizon),
             Region::Umbra => Some(Phase::Umbra),
             Region::Lit => Some(Phase::Lit),
-            Region::Penumbra if ring::is_seen(self.configuration, &point) => Some(Phase::Antumbra),
+            Region::Penumbra if exact::is_annular(&seen) => Some(Phase::Antumbra),
             Region::Penumbra => Some(Phase::Penumbra),
         }
     }

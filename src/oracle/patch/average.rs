@@ -16,7 +16,8 @@ use super::adaptive::{self, Integral, Node, Spec};
 use super::surface::{Layout, Patch};
 use crate::configuration::{Arrangement, Configuration, MeasurementPoint, Source};
 use crate::geometry::Shape;
-use crate::oracle::{Oracle, Truth};
+use crate::oracle::Truth;
+use crate::oracle::exact::{self, Oracle};
 use crate::radiometry::{Exitance, FormFactor, Irradiance};
 
 /// How good an average has to be. It stops where either is reached.
@@ -172,11 +173,13 @@ impl Work<'_> {
         self.evaluations.get() >= self.most
     }
 
-    /// Nothing is seen from where there is no place: coordinates beyond the range of f64.
-    fn truth(&self, s: f64, t: f64) -> Option<(MeasurementPoint, Truth)> {
+    /// The irradiance at a place with its kind, the shadow's topology. Nothing is seen from where there is no place:
+    /// coordinates beyond the range of f64.
+    fn truth(&self, s: f64, t: f64) -> Option<(Truth, u64)> {
         self.evaluations.set(self.evaluations.get() + 1);
         let point = MeasurementPoint::new(self.layout.point(s, t), self.normal).ok()?;
-        Some((point, self.oracle.at(&point)))
+        let seen = self.oracle.seen(&point);
+        Some((self.oracle.together(&seen), exact::topology(&seen)))
     }
 
     /// A first look at the integrals of irradiance, with and without occluders: 4 × 4 points a band.
@@ -189,7 +192,7 @@ impl Work<'_> {
                 for [low, high] in spans {
                     for share in PLACES {
                         let weight = stretch * (band.to - band.from) * (high - low) / 16.0;
-                        if let Some((_, truth)) = self.truth(s, low + (high - low) * share) {
+                        if let Some((truth, _)) = self.truth(s, low + (high - low) * share) {
                             seen += weight * truth.irradiance.watts_per_square_metre();
                             unoccluded += weight * truth.unoccluded_irradiance.watts_per_square_metre();
                         }
@@ -260,10 +263,10 @@ impl Work<'_> {
 
     fn node(&self, s: f64, t: f64) -> Node<u64> {
         match self.truth(s, t) {
-            Some((point, truth)) => Node {
+            Some((truth, kind)) => Node {
                 value: truth.irradiance.watts_per_square_metre(),
                 error: truth.bound.watts_per_square_metre(),
-                kind: self.oracle.topology(&point),
+                kind,
             },
             None => Node { value: 0.0, error: f64::INFINITY, kind: u64::MAX },
         }

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::super::body::Body;
 use super::super::exact::Oracle;
-use super::super::truth::{Method, Region, Truth};
+use super::super::truth::{Method, Region, Sight, Truth};
 use super::{Strips, WeightedStrips, visible, visible_weighted};
 use crate::configuration::MeasurementPoint;
 use crate::radiometry::{FormFactor, Irradiance};
@@ -93,7 +93,7 @@ impl Oracle {
     ) -> Truth {
         let (eye, n) = (point.position() * self.scale, point.normal());
         let mut sum = WeightedStrips::default();
-        let mut tally = Tally::default();
+        let (mut sights, mut shadow_edge) = (Vec::new(), false);
         for (i, source) in self.sources.iter().enumerate() {
             let others = self.sources.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, s)| &s.body);
             let others: Vec<&Body> = self.occluders.iter().chain(others).collect();
@@ -102,59 +102,30 @@ impl Oracle {
             sum.unoccluded += found.unoccluded;
             sum.error += found.error;
             sum.factor.value += found.factor.value;
-            tally.count(&found.factor);
+            sights.push(sight(&found.factor));
+            shadow_edge |= found.factor.seen && found.factor.hidden;
         }
         Truth {
             irradiance: Irradiance::new(sum.value),
             unoccluded_irradiance: Irradiance::new(sum.unoccluded),
             form_factor: FormFactor::new(sum.factor.value),
             bound: Irradiance::new(sum.error),
-            region: tally.region(),
+            region: Region::of(sights.into_iter()),
             method: Method::Quadrature,
-            shadow_edge: tally.shadow_edge,
+            shadow_edge,
         }
     }
 }
 
-/// How the sources are seen, counted.
-#[derive(Default)]
-struct Tally {
-    sources: usize,
-    whole: usize,
-    hidden: usize,
-    below: usize,
-    unclear: usize,
-    shadow_edge: bool,
-}
-
-impl Tally {
-    fn count(&mut self, strips: &Strips) {
-        self.sources += 1;
-        self.shadow_edge |= strips.seen && strips.hidden;
-        // What is seen, or hidden, may be no more than rounding.
-        let little_seen = strips.value <= strips.error;
-        let little_hidden = strips.unoccluded - strips.value <= strips.error;
-        match (strips.seen, strips.hidden) {
-            (false, false) => self.below += 1,
-            (false, true) => self.hidden += 1,
-            (true, false) if !strips.cut => self.whole += 1,
-            (true, true) if little_seen || (little_hidden && !strips.cut) => self.unclear += 1,
-            _ => {}
-        }
-    }
-
-    fn region(&self) -> Region {
-        let (count, dark) = (self.sources, self.hidden + self.below);
-        if self.whole == count {
-            Region::Lit
-        } else if self.below == count {
-            Region::BelowHorizon
-        } else if dark == count {
-            Region::Umbra
-        } else if self.unclear > 0 && (self.whole + self.unclear == count || dark + self.unclear == count) {
-            Region::Edge
-        } else {
-            Region::Penumbra
-        }
+fn sight(strips: &Strips) -> Sight {
+    // What is seen, or hidden, may be no more than rounding.
+    let little_seen = strips.value <= strips.error;
+    let little_hidden = strips.unoccluded - strips.value <= strips.error;
+    match (strips.seen, strips.hidden) {
+        (false, false) => Sight::Below,
+        (false, true) => Sight::Hidden,
+        (true, false) if !strips.cut => Sight::Whole,
+        (true, true) if little_seen || (little_hidden && !strips.cut) => Sight::Unclear,
+        _ => Sight::Part,
     }
 }
