@@ -1,6 +1,6 @@
 //! What an exact value costs: microseconds a point, one thread; and maps of the shipped eclipse on all cores.
 //!
-//! `cargo bench --bench oracle`: median of several rounds. Derivatives and numbers of twice the width are given beside the
+//! `cargo bench --bench oracle`: median of several rounds; `-- NAME` asks for the rooms whose name contains it only. Derivatives and numbers of twice the width are given beside the
 //! plain value of the same room, as ratios.
 
 use std::time::Instant;
@@ -49,9 +49,13 @@ fn main() {
         ("rectangle behind 16 mixed", room(square(2.0, 1.0), sixteen)),
     ];
     println!("{:<30} {:>10}", "exact value", "µs/point");
-    for (name, room) in &rooms {
+    let wanted = std::env::args().skip(1).find(|argument| !argument.starts_with('-'));
+    for (name, room) in rooms.iter().filter(|(name, _)| wanted.as_ref().is_none_or(|part| *name == part.as_str())) {
         let oracle = Oracle::new(room);
         println!("{name:<30} {:>10.2}", microseconds(room.points(), |point| oracle.at(point).form_factor.ratio()));
+    }
+    if wanted.is_some() {
+        return;
     }
 
     let penumbra: Vec<MeasurementPoint> = points(33, 0.3, 0.9);

@@ -40,7 +40,7 @@ pub(crate) trait Number:
     /// 2π.
     fn turn() -> Self;
     fn sqrt(self) -> Self;
-    /// √(self² + other²).
+    /// √(self² + other²), for sizes whose squares neither overflow nor underflow.
     fn hypot(self, other: Self) -> Self;
     fn sin_cos(self) -> (Self, Self);
     fn atan(self) -> Self;
@@ -77,7 +77,7 @@ impl Number for f64 {
     }
     #[inline(always)]
     fn hypot(self, other: f64) -> f64 {
-        f64::hypot(self, other)
+        (self * self + other * other).sqrt()
     }
     #[inline(always)]
     fn sin_cos(self) -> (f64, f64) {

@@ -6,6 +6,7 @@
 //! and the product whose error a fused multiply-add returns.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
+use std::sync::LazyLock;
 
 use super::Number;
 
@@ -87,18 +88,34 @@ impl Add<f64> for Wide {
 /// 13198A2E 03707344 A4093822 299F31D0, π in hexadecimal).
 const QUARTER: Wide = Wide { high: std::f64::consts::FRAC_PI_2, low: 6.123_233_995_736_766e-17 };
 
-/// Terms of the series below: x²ᵏ/(2k + 1)! for |x| ≤ π/64 falls under 2⁻¹¹⁰ at k = 11.
-const TERMS: u32 = 12;
+/// Terms of the series below: x²ᵏ/(2k)! for |x| ≤ π/64 falls under 2⁻¹¹⁰ at k = 10.
+const TERMS: usize = 11;
+
+/// (−1)ᵏ/(2k + 1)! and (−1)ᵏ/(2k)!, k = 0, 1, …
+static SIN_COS_SERIES: LazyLock<[[Wide; 2]; TERMS]> = LazyLock::new(|| {
+    let mut term = Wide::ONE;
+    let mut next = 1.0;
+    std::array::from_fn(|_| {
+        let cos = term;
+        let sin = cos / Wide::from(next);
+        term = -sin / Wide::from(next + 1.0);
+        next += 2.0;
+        [sin, cos]
+    })
+});
+
+/// 1/(2k + 1), k = 0, 1, …
+static ATANH_SERIES: LazyLock<[Wide; 23]> =
+    LazyLock::new(|| std::array::from_fn(|k| Wide::ONE / Wide::from((2 * k + 1) as f64)));
 
 /// sin and cos of an angle of at most π/64 in size, by their series.
 fn small_sin_cos(x: Wide) -> (Wide, Wide) {
     let square = x.square();
-    let (mut sin, mut cos) = (Wide::ONE, Wide::ONE);
+    let (mut sin, mut cos) = (Wide::ZERO, Wide::ZERO);
     // Horner's rule from the last term inwards.
-    for k in (1..=TERMS).rev() {
-        let k = f64::from(2 * k);
-        sin = Wide::ONE - square * sin / Wide::from(k * (k + 1.0));
-        cos = Wide::ONE - square * cos / Wide::from((k - 1.0) * k);
+    for [sin_term, cos_term] in SIN_COS_SERIES.iter().rev() {
+        sin = *sin_term + square * sin;
+        cos = *cos_term + square * cos;
     }
     (x * sin, cos)
 }
@@ -168,8 +185,8 @@ impl Number for Wide {
         let square = t.square();
         // |t| ≤ 0.172: t^2k falls under 2⁻¹¹⁰ at k = 22.
         let mut sum = Wide::ZERO;
-        for k in (0..=22).rev() {
-            sum = sum * square + Wide::ONE / Wide::from(f64::from(2 * k + 1));
+        for term in ATANH_SERIES.iter().rev() {
+            sum = sum * square + *term;
         }
         t * sum * 2.0 + LN_2 * e
     }

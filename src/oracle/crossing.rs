@@ -119,25 +119,35 @@ fn straight_round(edge: &GreatArc, rim: &Rim, from: f64, to: f64, mut found: imp
     if rim.margin(edge.ends[0].primal()).abs() > edge.length + OVERHANG {
         return meeting;
     }
+    // Along the rim, the height over the edge's plane is level + swing cos(t − middle).
     let level = edge.normal.dot(rim.center);
-    let RimRoots { middle, half, swing, root } = rim.roots(edge.normal, level);
-    let is_contact = (level.abs() - swing).abs() <= COINCIDENT * rim.center.length();
-    if level.abs() >= swing || !(CONTACT..=std::f64::consts::PI - CONTACT).contains(&half) {
-        meeting.touching = is_contact && {
-            let t = if level < 0.0 { middle } else { middle + std::f64::consts::PI };
+    let (pu, pv) = (edge.normal.dot(rim.u), edge.normal.dot(rim.v));
+    let size = Number::hypot(pu, pv);
+    let swing = rim.radius * size;
+    let root = ((swing - level) * (swing + level)).max(0.0).sqrt();
+    let is_crossed = level.abs() < swing && root >= CONTACT * swing;
+    if !is_crossed {
+        meeting.touching = (level.abs() - swing).abs() <= COINCIDENT * rim.center.length() && {
+            let lowest = if level < 0.0 { 1.0 } else { -1.0 };
+            let t = (lowest * pv).atan2(lowest * pu);
             let angle = edge.parameter(rim.point(t));
             within(t, from, to, CONTACT).is_some() && angle >= -CONTACT && angle <= edge.length + CONTACT
         };
         return meeting;
     }
     let overhang = OVERHANG + 64.0 * f64::EPSILON * swing / root;
-    for t in [middle - half, middle + half] {
-        let Some(on_rim) = within(t, from, to, overhang) else { continue };
-        let angle = edge.parameter(rim.point(t));
-        if angle >= -overhang && angle <= edge.length + overhang {
-            meeting.touching |= angle <= overhang || angle >= edge.length - overhang || at_end(on_rim, from, to);
-            found(angle.clamp(0.0, edge.length), on_rim);
+    let (cos_middle, sin_middle) = (pu / size, pv / size);
+    for sin_half in [-root / swing, root / swing] {
+        let cos_half = -level / swing;
+        let cos = cos_middle * cos_half - sin_middle * sin_half;
+        let sin = sin_middle * cos_half + cos_middle * sin_half;
+        let angle = edge.parameter(rim.at((sin, cos)));
+        if angle < -overhang || angle > edge.length + overhang {
+            continue;
         }
+        let Some(on_rim) = within(sin.atan2(cos), from, to, overhang) else { continue };
+        meeting.touching |= angle <= overhang || angle >= edge.length - overhang || at_end(on_rim, from, to);
+        found(angle.clamp(0.0, edge.length), on_rim);
     }
     meeting
 }
@@ -163,7 +173,10 @@ impl<T: Number> Mantle<T> {
 
     /// Distance from the mantle and its slope; negative inside, and on the forward side only.
     fn outside(&self, t: T) -> (T, T) {
-        let (sin, cos) = t.sin_cos();
+        self.outside_at(t.sin_cos())
+    }
+
+    fn outside_at(&self, (sin, cos): (T, T)) -> (T, T) {
         let value = |k: &[T; 3]| k[0] + k[1] * cos + k[2] * sin;
         let slope = |k: &[T; 3]| k[2] * cos - k[1] * sin;
         let [x, y, z] = &self.0;
@@ -188,7 +201,7 @@ impl Mantle<f64> {
         if k0 + k1 * cos + k2 * sin <= 0.0 {
             return None;
         }
-        let (mut t, (mut value, mut slope)) = (t, self.outside(t));
+        let (mut t, (mut value, mut slope)) = (t, self.outside_at((sin, cos)));
         for _ in 0..3 {
             let next = t - value / slope;
             let (closer, steeper) = self.outside(next);
@@ -209,7 +222,7 @@ fn round_round(a: &Curve, b: &Curve, found: &mut impl FnMut(f64, f64)) -> Meetin
     };
     // Five points fix a polynomial of degree two: all on the mantle, all of the circle is.
     let apart = |t: f64| second.margin(first.point(t).primal().normalize()).abs();
-    if (0..5).all(|i| apart(0.3 + TAU * f64::from(i) / 5.0) <= COINCIDENT) {
+    if (0..5).all(|i| apart(TAU * f64::from(i) / 5.0) <= COINCIDENT) {
         for end in [*b0, *b1] {
             if let Some(t) = within(first.angle(second.point(end)), *a0, *a1, 0.0) {
                 found(t, end);

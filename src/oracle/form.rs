@@ -1,10 +1,14 @@
 //! A body relative to the eye, over any number: what its outline as seen from there is made from.
 
 use glam::DVec3;
+use smallvec::SmallVec;
 
 use super::body::{Body, Figure, Flat};
 use super::silhouette::SurfaceForm;
 use crate::number::{Dual, Number, Vector, Wide};
+
+/// A list that needs no allocation while it has no more entries than a flat figure has corners as a rule.
+pub(super) type Few<T> = SmallVec<[T; 8]>;
 
 /// A body relative to the eye.
 #[derive(Clone, Debug)]
@@ -19,7 +23,7 @@ pub(super) enum Form<'a, T = f64> {
 pub(super) struct FlatForm<'a, T = f64> {
     pub shape: &'a Flat,
     pub normal: Vector<T>,
-    pub corners: Vec<Vector<T>>,
+    pub corners: Few<Vector<T>>,
     /// The middle of the corners, relative to the eye and as an offset of the shape.
     pub center: Vector<T>,
     middle: Vector<T>,

@@ -21,27 +21,37 @@ pub(super) struct GreatArc<T = f64> {
 }
 
 impl<T: Number> GreatArc<T> {
-    /// The edge from `p` to `q` on a line that runs along `edge` (whose length does not matter).
+    /// The edge from `p` to `q`, that share of a line.
     ///
-    /// p × edge keeps the digits that p × q loses when the edge is short: `edge` comes from the shape, not from the
+    /// p × line keeps the digits that p × q loses when the edge is short: `line` comes from the shape, not from the
     /// difference of two far points. `None` where the line passes through the origin or the edge has no length.
-    pub fn of_edge(p: Vector<T>, q: Vector<T>, edge: Vector<T>) -> Option<GreatArc<T>> {
-        let normal = p.cross(edge);
-        let length = normal.length();
-        let size = length.primal();
-        let product = (p.length_squared().primal() * edge.length_squared().primal()).sqrt();
-        if size <= f64::EPSILON * product || product == 0.0 {
+    ///
+    /// - `share`: q − p in units of `line`, > 0
+    /// - `ends`: the directions of `p` and `q`
+    #[inline]
+    pub fn of_edge([p, q]: [Vector<T>; 2], line: Vector<T>, share: T, ends: [Vector<T>; 2]) -> Option<GreatArc<T>> {
+        let normal = p.cross(line);
+        let size = normal.length();
+        let product = (p.length_squared().primal() * line.length_squared().primal()).sqrt();
+        if size.primal() <= f64::EPSILON * product || product == 0.0 {
             return None;
         }
-        GreatArc::on_circle(p, q, normal * (T::constant(1.0) / length), product / size)
+        // |p × q| and p · q of the angle between them.
+        let length = (size * share).atan2(p.dot(q));
+        let scale = T::constant(1.0) / size;
+        GreatArc::new(normal * scale, length, ends, product * scale.primal())
     }
 
     /// The arc from direction `p` to direction `q` on the great circle with unit normal `normal`.
-    pub fn on_circle(p: Vector<T>, q: Vector<T>, normal: Vector<T>, condition: f64) -> Option<GreatArc<T>> {
-        let start = (p - normal * p.dot(normal)).normalize();
+    pub fn on_circle(p: Vector<T>, q: Vector<T>, normal: Vector<T>) -> Option<GreatArc<T>> {
+        let length = normal.dot(p.cross(q)).atan2(p.dot(q));
+        GreatArc::new(normal, length, [p.normalize(), q.normalize()], 1.0)
+    }
+
+    #[inline]
+    fn new(normal: Vector<T>, length: T, ends: [Vector<T>; 2], condition: f64) -> Option<GreatArc<T>> {
+        let start = (ends[0] - normal * ends[0].dot(normal)).normalize();
         let along = normal.cross(start);
-        let length = q.dot(along).atan2(q.dot(start));
-        let ends = [p.normalize(), q.normalize()];
         (length.primal() > 0.0).then_some(GreatArc { start, along, ends, normal, length, condition })
     }
 

@@ -15,6 +15,7 @@
 //! where nothing that matters hangs on it; what does is booked in `doubt`.
 
 use glam::DVec3;
+use smallvec::{SmallVec, smallvec};
 
 use super::crossing::{self, crossings};
 use super::great_arc::GreatArc;
@@ -205,8 +206,9 @@ enum By {
 }
 
 /// Another curve on the same circle.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Together {
+    curve: usize,
     other: usize,
     /// Whether both bound the same side.
     alike: bool,
@@ -226,17 +228,17 @@ enum Side {
 /// - `source`: its part above the horizon
 /// - `occluders`: their parts before the source
 pub(super) fn visible(n: DVec3, source: &Piece, occluders: &[Piece]) -> Visible {
-    let pieces: Vec<&Piece> = std::iter::once(source).chain(occluders).collect();
-    let boundaries: Vec<Boundary> = pieces
+    let pieces: Pieces = std::iter::once(source).chain(occluders).collect();
+    let boundaries: Boundaries = pieces
         .iter()
         .enumerate()
         .flat_map(|(piece, p)| {
             p.curves.iter().enumerate().map(move |(index, curve)| Boundary { at: CurveAt { piece, index }, curve })
         })
         .collect();
-    let mut splits: Vec<Split> = Vec::with_capacity(4 * boundaries.len());
-    let mut together: Vec<Vec<Together>> = vec![Vec::new(); boundaries.len()];
-    let mut touching = vec![false; boundaries.len()];
+    let mut splits: SmallVec<[Split; 64]> = SmallVec::new();
+    let mut together: Vec<Together> = Vec::new();
+    let mut touching: SmallVec<[bool; 24]> = smallvec![false; boundaries.len()];
     for (i, a) in boundaries.iter().enumerate() {
         for (j, b) in boundaries.iter().enumerate().skip(i + 1) {
             let are_one_piece = a.at.piece == b.at.piece;
@@ -252,8 +254,7 @@ pub(super) fn visible(n: DVec3, source: &Piece, occluders: &[Piece]) -> Visible 
                 // The same line run on.
                 Some(_) if meets_at_corner && splits.len() == known => {}
                 Some(alike) => {
-                    together[i].push(Together { other: j, alike });
-                    together[j].push(Together { other: i, alike });
+                    together.extend([Together { curve: i, other: j, alike }, Together { curve: j, other: i, alike }])
                 }
                 None if meets_at_corner => splits.truncate(known),
                 None => {
@@ -269,6 +270,7 @@ pub(super) fn visible(n: DVec3, source: &Piece, occluders: &[Piece]) -> Visible 
             splits.extend([Split { curve: i, t: from, by: By::Start }, Split { curve: i, t: to, by: By::End }]);
         }
     }
+    together.sort_unstable();
     splits.sort_by(|a, b| a.curve.cmp(&b.curve).then(a.t.total_cmp(&b.t)));
 
     let contour = Contour { n: Vector::constant(n), pieces, boundaries, together, touching };
@@ -285,15 +287,24 @@ pub(super) fn visible(n: DVec3, source: &Piece, occluders: &[Piece]) -> Visible 
 
 struct Contour<'a> {
     n: Vector<f64>,
-    pieces: Vec<&'a Piece>,
-    boundaries: Vec<Boundary<'a>>,
-    /// Of each curve.
-    together: Vec<Vec<Together>>,
+    pieces: Pieces<'a>,
+    boundaries: Boundaries<'a>,
+    /// Sorted.
+    together: Vec<Together>,
     /// Whether a curve touches another.
-    touching: Vec<bool>,
+    touching: SmallVec<[bool; 24]>,
 }
 
+type Pieces<'a> = SmallVec<[&'a Piece; 8]>;
+type Boundaries<'a> = SmallVec<[Boundary<'a>; 24]>;
+
 impl Contour<'_> {
+    /// The curves on the same circle as one.
+    fn together_with(&self, curve: usize) -> impl Iterator<Item = &Together> {
+        let first = self.together.partition_point(|pair| pair.curve < curve);
+        self.together[first..].iter().take_while(move |pair| pair.curve == curve)
+    }
+
     fn add_curve(&self, i: usize, splits: &[Split], sum: &mut Visible) {
         let curve = self.boundaries[i].curve;
         if curve.is_closed() {
@@ -319,7 +330,7 @@ impl Contour<'_> {
             return;
         }
         let Boundary { at, curve } = self.boundaries[i];
-        let mut arc = Arc { contour: self, curve: i, from, to, nearest: f64::INFINITY, along: false };
+        let mut arc = Arc { contour: self, curve: i, from, to, nearest: f64::INFINITY, along: false, first: None };
         let term = || curve.contour(self.n, from, to);
         if at.piece == 0 {
             let hidden = (1..self.pieces.len()).any(|j| matches!(arc.side(j), Side::Inside | Side::Along));
@@ -375,7 +386,7 @@ impl Contour<'_> {
             By::Curve(j) => {
                 let Boundary { at: other, curve: crossed } = self.boundaries[j];
                 let point = curve.point(split.t);
-                if !self.together[begin.curve].iter().any(|pair| pair.other == j) {
+                if !self.together_with(begin.curve).any(|pair| pair.other == j) {
                     return Stop::Crossing { other, near: point.primal().normalize() };
                 }
                 let (start, end) = crossed.range();
@@ -390,8 +401,8 @@ impl Contour<'_> {
 }
 
 /// A sub-arc between two neighbouring splits: it crosses nothing.
-struct Arc<'a> {
-    contour: &'a Contour<'a>,
+struct Arc<'a, 'b> {
+    contour: &'a Contour<'b>,
     curve: usize,
     from: f64,
     to: f64,
@@ -399,25 +410,28 @@ struct Arc<'a> {
     nearest: f64,
     /// Whether it lies on another outline.
     along: bool,
+    /// The first probe, once it was asked for.
+    first: Option<DVec3>,
 }
 
-impl Arc<'_> {
+impl Arc<'_, '_> {
     fn side(&mut self, piece: usize) -> Side {
-        let Contour { boundaries, pieces, .. } = self.contour;
-        let curve = boundaries[self.curve].curve;
-        let along: Vec<(usize, bool)> = self.along(piece).collect();
-        if let Some((_, alike)) = along.first() {
-            self.along = true;
-            return match pieces[piece].coverage() {
-                Some(coverage) => self.beside(coverage, &along),
-                None if *alike => Side::Along,
-                None => Side::Against,
-            };
+        let pieces = &self.contour.pieces;
+        if self.contour.together_with(self.curve).next().is_some() {
+            let along: Vec<(usize, bool)> = self.along(piece).collect();
+            if let Some((_, alike)) = along.first() {
+                self.along = true;
+                return match pieces[piece].coverage() {
+                    Some(coverage) => self.beside(coverage, &along),
+                    None if *alike => Side::Along,
+                    None => Side::Against,
+                };
+            }
         }
         let mut decisive: f64 = 0.0;
-        for share in PROBES {
-            let direction = curve.point(self.from + (self.to - self.from) * share).normalize();
-            let margin = pieces[piece].margin(direction.primal());
+        for i in 0..PROBES.len() {
+            let direction = self.probe(i);
+            let margin = pieces[piece].margin(direction);
             if margin.abs() > decisive.abs() {
                 decisive = margin;
             }
@@ -429,11 +443,24 @@ impl Arc<'_> {
         if decisive > 0.0 { Side::Inside } else { Side::Outside }
     }
 
+    /// The direction at one of the places to ask at; every piece asks at the first.
+    fn probe(&mut self, i: usize) -> DVec3 {
+        if let (0, Some(first)) = (i, self.first) {
+            return first;
+        }
+        let curve = self.contour.boundaries[self.curve].curve;
+        let direction = curve.point(self.from + (self.to - self.from) * PROBES[i]).normalize().primal();
+        if i == 0 {
+            self.first = Some(direction);
+        }
+        direction
+    }
+
     /// Curves of a piece that run along this sub-arc, by their place in it.
     fn along(&self, piece: usize) -> impl Iterator<Item = (usize, bool)> {
-        let Contour { boundaries, together, .. } = self.contour;
+        let boundaries = &self.contour.boundaries;
         let middle = boundaries[self.curve].curve.point(0.5 * (self.from + self.to));
-        together[self.curve].iter().filter_map(move |Together { other, alike }| {
+        self.contour.together_with(self.curve).filter_map(move |Together { other, alike, .. }| {
             let Boundary { at, curve } = boundaries[*other];
             (at.piece == piece && covers(curve, middle)).then_some((at.index, *alike))
         })

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
-use super::form::{FlatForm, Form, HalfSpace};
+use super::form::{Few, FlatForm, Form, HalfSpace};
 use super::great_arc::GreatArc;
 use super::rim::{Rim, RimCut, Term};
 use super::silhouette::{self, Coverage};
@@ -68,7 +68,7 @@ enum Inside<T> {
     /// In the cone and, where it is cut, on the side of the plane through the origin.
     Round { rim: Rim<T>, cut: Option<Vector<T>> },
     /// In the silhouette's part before a plane, or in the disk in which the ball meets that plane.
-    Cap { silhouette: Rim<T>, cut: Vector<T>, section: Rim<T> },
+    Cap(Box<Cap<T>>),
     /// Left of all edges.
     Convex,
     /// Even-odd among the edges (as [from, to] in the plane one unit away): corners are computed once, so that the edges
@@ -76,6 +76,14 @@ enum Inside<T> {
     EvenOdd { axis: Vector<T>, u: Vector<T>, v: Vector<T>, edges: Vec<[[f64; 2]; 2]> },
     /// Where faces lie.
     Covered(Box<Coverage>),
+}
+
+/// See [`Inside::Cap`].
+#[derive(Clone, Debug)]
+struct Cap<T> {
+    silhouette: Rim<T>,
+    cut: Vector<T>,
+    section: Rim<T>,
 }
 
 impl Piece {
@@ -86,7 +94,7 @@ impl Piece {
         match &self.inside {
             Inside::Round { rim, cut: None } => rim.margin(d),
             Inside::Round { rim, cut: Some(plane) } => rim.margin(d).min(on(plane)),
-            Inside::Cap { silhouette, cut, section } => silhouette.margin(d).min(on(cut)).max(section.margin(d)),
+            Inside::Cap(cap) => cap.silhouette.margin(d).min(on(&cap.cut)).max(cap.section.margin(d)),
             Inside::Convex => self.arcs().map(|arc| on(&arc.normal)).fold(f64::INFINITY, f64::min),
             Inside::Covered(coverage) => coverage.margin(d),
             Inside::EvenOdd { axis, u, v, edges } => {
@@ -172,7 +180,7 @@ fn round<T: Number>(rim: Rim<T>, keep: Option<HalfSpace<T>>) -> Option<Piece<T>>
         RimCut::Part { from, to } => {
             let plane = cut_normal(keep, rim.axis, rim.height);
             let mut curves = vec![Curve::Round { rim, from, to }];
-            curves.extend(GreatArc::on_circle(rim.point(to), rim.point(from), plane, 1.0).map(Curve::Straight));
+            curves.extend(GreatArc::on_circle(rim.point(to), rim.point(from), plane).map(Curve::Straight));
             Some(Piece { curves, is_cut: true, inside: Inside::Round { rim, cut: Some(plane) } })
         }
     }
@@ -205,7 +213,7 @@ fn ball<T: Number>(center: Vector<T>, radius: T, keep: HalfSpace<T>) -> Option<P
     Some(Piece {
         curves: vec![Curve::Round { rim: silhouette, from, to }, Curve::Round { rim: section, from: begin, to: end }],
         is_cut: true,
-        inside: Inside::Cap { silhouette, cut: plane, section },
+        inside: Inside::Cap(Box::new(Cap { silhouette, cut: plane, section })),
     })
 }
 
@@ -227,19 +235,24 @@ fn flat<T: Number>(form: &FlatForm<T>, keep: Option<HalfSpace<T>>) -> Option<Pie
         let noise = 4.0 * f64::EPSILON * (farthest + keep.k.primal().abs());
         if h.primal().abs() <= noise { T::zero() } else { h }
     };
-    let heights: Option<Vec<T>> = keep.as_ref().map(|keep| points.iter().map(|p| side(*p, keep)).collect());
+    let heights: Option<Few<T>> = keep.as_ref().map(|keep| points.iter().map(|p| side(*p, keep)).collect());
     if heights.as_ref().is_some_and(|heights| heights.iter().all(|h| h.primal() <= 0.0)) {
         return None;
     }
     let heights = heights.filter(|heights| heights.iter().any(|h| h.primal() < 0.0));
-    let (tangent, bitangent) = axis.frame();
-    let in_plane =
-        |p: Vector<T>| [(p.dot(tangent) / p.dot(axis)).primal(), (p.dot(bitangent) / p.dot(axis)).primal()];
+    let frame = (!shape.convex).then(|| axis.frame());
     let mut outline = Vec::new();
-    let mut crossings: Vec<Vector<T>> = Vec::new();
+    let mut keep_edge = |p: Vector<T>, q: Vector<T>| {
+        if let Some((u, v)) = frame {
+            outline.push([p, q].map(|p| [(p.dot(u) / p.dot(axis)).primal(), (p.dot(v) / p.dot(axis)).primal()]));
+        }
+    };
+    let directions: Few<Vector<T>> = points.iter().map(|p| p.normalize()).collect();
+    let mut crossings: Few<Vector<T>> = Few::new();
     for edge in &shape.edges {
         let [i, j] = ordered(edge);
         let (mut p, mut q) = (points[i], points[j]);
+        let (mut ends, mut share) = ([directions[i], directions[j]], T::constant(1.0));
         let line = form.line(i, j);
         if let Some(heights) = &heights {
             let (hp, hq) = (heights[i], heights[j]);
@@ -248,35 +261,33 @@ fn flat<T: Number>(form: &FlatForm<T>, keep: Option<HalfSpace<T>>) -> Option<Pie
                 continue;
             }
             if p_below != q_below {
-                let on_plane = p + line * (hp / (hp - hq));
+                let gap = hp - hq;
+                let on_plane = p + line * (hp / gap);
                 crossings.push(on_plane);
                 if p_below {
-                    p = on_plane;
+                    (p, ends[0], share) = (on_plane, on_plane.normalize(), -hq / gap);
                 } else {
-                    q = on_plane;
+                    (q, ends[1], share) = (on_plane, on_plane.normalize(), hp / gap);
                 }
             }
         }
-        curves.extend(GreatArc::of_edge(p, q, line).map(Curve::Straight));
-        if !shape.convex {
-            outline.push([in_plane(p), in_plane(q)]);
+        if let Some(arc) = GreatArc::of_edge([p, q], line, share, ends) {
+            curves.push(Curve::Straight(arc));
         }
+        keep_edge(p, q);
     }
     if let (Some(keep), false) = (keep, crossings.is_empty()) {
         let plane = cut_normal(keep, axis, axis.dot(points[0]));
         let direction = plane.cross(axis).primal();
         crossings.sort_by(|a, b| a.primal().dot(direction).total_cmp(&b.primal().dot(direction)));
         for pair in crossings.chunks_exact(2) {
-            curves.extend(GreatArc::on_circle(pair[0], pair[1], plane, 1.0).map(Curve::Straight));
-            if !shape.convex {
-                outline.push([in_plane(pair[0]), in_plane(pair[1])]);
-            }
+            curves.extend(GreatArc::on_circle(pair[0], pair[1], plane).map(Curve::Straight));
+            keep_edge(pair[0], pair[1]);
         }
     }
-    let inside = if shape.convex {
-        Inside::Convex
-    } else {
-        Inside::EvenOdd { axis, u: tangent, v: bitangent, edges: outline }
+    let inside = match frame {
+        None => Inside::Convex,
+        Some((u, v)) => Inside::EvenOdd { axis, u, v, edges: outline },
     };
     (!curves.is_empty()).then_some(Piece { curves, inside, is_cut: heights.is_some() })
 }

@@ -97,7 +97,11 @@ impl<T: Number> Rim<T> {
     }
 
     pub fn point(&self, t: T) -> Vector<T> {
-        let (sin, cos) = t.sin_cos();
+        self.at(t.sin_cos())
+    }
+
+    /// The point at an angle that is given by its (sin, cos).
+    pub fn at(&self, (sin, cos): (T, T)) -> Vector<T> {
         self.center + (self.u * cos + self.v * sin) * self.radius
     }
 
@@ -114,7 +118,7 @@ impl<T: Number> Rim<T> {
         let (pu, pv) = (plane.dot(self.u), plane.dot(self.v));
         let swing = self.radius * pu.hypot(pv);
         let root = ((swing - level) * (swing + level)).sqrt();
-        RimRoots { middle: pv.atan2(pu), half: root.atan2(-level), swing, root }
+        RimRoots { middle: pv.atan2(pu), half: root.atan2(-level), swing }
     }
 
     /// Two ends of the part where `plane · r(t) + k ≥ 0`; `Whole` and `Nothing` where the rim does not cross.
@@ -161,8 +165,11 @@ impl<T: Number> Rim<T> {
         let d = near * far;
         let b = q / (p + d);
         let turn = t1 - t0;
-        let (sin0, cos0) = t0.sin_cos();
-        let (sin1, cos1) = t1.sin_cos();
+        // Of the middle and the half of the turn, from which those of the ends follow, and their difference exactly.
+        let (sin_m, cos_m) = ((t0 + t1) * 0.5).sin_cos();
+        let (sin_h, cos_h) = (turn * 0.5).sin_cos();
+        let (sin0, cos0) = (sin_m * cos_h - cos_m * sin_h, cos_m * cos_h + sin_m * sin_h);
+        let (sin1, cos1) = (sin_m * cos_h + cos_m * sin_h, cos_m * cos_h - sin_m * sin_h);
         let psi_over_b = |sin: T, cos: T| {
             let x = sin / (b * cos + 1.0);
             x * atan_ratio(b * x)
@@ -171,7 +178,7 @@ impl<T: Number> Rim<T> {
         let share = T::constant(1.0) / d;
         let i0 = (turn - b * delta * 2.0) * share;
         let i1 = (p / (p + d) * delta * 2.0 - b * turn) * share;
-        let delta_cos = ((t0 + t1) * 0.5).sin_cos().0 * (turn * 0.5).sin_cos().0 * -2.0;
+        let delta_cos = sin_m * sin_h * -2.0;
         let square = |sin: T, cos: T| cw * cw + (cu + a * cos) * (cu + a * cos) + (a * sin) * (a * sin);
         let start = square(sin0, cos0);
         let i2 = -delta_cos / start * log1p_ratio(q * delta_cos / start);
@@ -210,8 +217,8 @@ impl Rim {
     pub fn margin(&self, d: DVec3) -> f64 {
         let d = Vector::constant(d);
         let (du, dv, dw) = (d.dot(self.u), d.dot(self.v), d.dot(self.axis));
-        let out = (self.height * du - self.offset * dw).hypot(self.height * dv);
-        (self.radius * dw - out) / self.height.hypot(self.offset + self.radius)
+        let out = Number::hypot(self.height * du - self.offset * dw, self.height * dv);
+        (self.radius * dw - out) / Number::hypot(self.height, self.offset + self.radius)
     }
 }
 
@@ -222,8 +229,6 @@ pub(super) struct RimRoots<T = f64> {
     pub half: T,
     /// How far the rim swings to either side.
     pub swing: T,
-    /// √(swing² − level²).
-    pub root: T,
 }
 
 /// A centre this near to the axis, in units of its distance, lies on it.

@@ -107,7 +107,10 @@ fn realized<T: Number>(form: &SurfaceForm<T>, keep: Option<&HalfSpace<T>>, origi
         Origin::Edge { from, to, cut } => {
             let p = if cut[0] { on_plane([to, from]) } else { form.corner(from) };
             let q = if cut[1] { on_plane([from, to]) } else { form.corner(to) };
-            GreatArc::of_edge(p, q, line(from, to))
+            let line = line(from, to);
+            let share =
+                if cut == [false, false] { T::constant(1.0) } else { (q - p).dot(line) / line.length_squared() };
+            GreatArc::of_edge([p, q], line, share, [p.normalize(), q.normalize()])
         }
         Origin::Chord { face, start, end } => {
             let keep = keep?;
@@ -125,7 +128,7 @@ fn realized<T: Number>(form: &SurfaceForm<T>, keep: Option<&HalfSpace<T>>, origi
                 }
                 towards * (T::constant(1.0f64.copysign(height.primal())) / size)
             };
-            GreatArc::on_circle(on_plane(start), on_plane(end), plane, 1.0)
+            GreatArc::on_circle(on_plane(start), on_plane(end), plane)
         }
     }
 }

@@ -2,6 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use crate::number::Number;
+
 /// `a0 + a1 cos t + b1 sin t + a2 cos 2t + b2 sin 2t`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Trigonometric {
@@ -52,8 +54,7 @@ impl Trigonometric {
 
     /// f, f′, f″ at t.
     fn jet(&self, t: f64) -> [f64; 3] {
-        // The end of the turn is its beginning, to the last bit: a root there lies in one cell, not in none.
-        let (s, c) = if t == TAU { (0.0, 1.0) } else { t.sin_cos() };
+        let (s, c) = sin_cos(t);
         let (s2, c2) = (2.0 * s * c, (c - s) * (c + s));
         let (first, first_slope) = (self.a1 * c + self.b1 * s, self.b1 * c - self.a1 * s);
         let (second, second_slope) = (self.a2 * c2 + self.b2 * s2, self.b2 * c2 - self.a2 * s2);
@@ -64,8 +65,8 @@ impl Trigonometric {
     /// (then f is monotone on both sides of the one extremum): no root is missed, however the roots crowd, except a
     /// pair whose extremum lies within the rounding of f.
     pub fn roots(&self) -> Roots {
-        let first = self.a1.hypot(self.b1);
-        let second = self.a2.hypot(self.b2);
+        let first = Number::hypot(self.a1, self.b1);
+        let second = Number::hypot(self.a2, self.b2);
         let mut roots = Roots::default();
         if self.a0.abs() > first + second {
             return roots;
@@ -90,14 +91,14 @@ impl Trigonometric {
                 continue;
             }
             if slope.abs() > (bend.abs() * half + 0.5 * jerk * half * half).min(curvature * half) {
-                self.monotone(low, high, &mut roots);
+                self.monotone(low, high, Some((middle, [f, slope])), curvature, &mut roots);
             } else if bend.abs() > jerk * half {
-                match self.extremum(low, high) {
+                match bracketed(low, high, Some((middle, [slope, bend])), jerk, |t| self.slopes(t)) {
                     Some(top) => {
-                        self.monotone(low, top, &mut roots);
-                        self.monotone(top, high, &mut roots);
+                        self.monotone(low, top, None, curvature, &mut roots);
+                        self.monotone(top, high, None, curvature, &mut roots);
                     }
-                    None => self.monotone(low, high, &mut roots),
+                    None => self.monotone(low, high, None, curvature, &mut roots),
                 }
             } else if half < NARROWEST || depth + 2 > stack.len() {
                 if self.jet(low)[0] * self.jet(high)[0] < 0.0 {
@@ -112,46 +113,82 @@ impl Trigonometric {
         roots
     }
 
-    fn monotone(&self, low: f64, high: f64, roots: &mut Roots) {
-        if let Some(t) = bracketed(low, high, |t| {
+    fn monotone(&self, low: f64, high: f64, known: Option<(f64, [f64; 2])>, curvature: f64, roots: &mut Roots) {
+        let value = |t: f64| {
             let [f, slope, _] = self.jet(t);
-            (f, slope)
-        }) {
+            [f, slope]
+        };
+        if let Some(t) = bracketed(low, high, known, curvature, value) {
             roots.push(t);
         }
     }
 
-    fn extremum(&self, low: f64, high: f64) -> Option<f64> {
-        bracketed(low, high, |t| {
-            let [_, slope, bend] = self.jet(t);
-            (slope, bend)
-        })
+    /// f′, f″ at t.
+    fn slopes(&self, t: f64) -> [f64; 2] {
+        let [_, slope, bend] = self.jet(t);
+        [slope, bend]
+    }
+}
+
+/// sin and cos, those of sixteenths of a turn from a table: the first cells begin, end and have their middles there.
+///
+/// The end of the turn is its beginning, to the last bit: a root there lies in one cell, not in none.
+fn sin_cos(t: f64) -> (f64, f64) {
+    const HALF: f64 = std::f64::consts::FRAC_1_SQRT_2;
+    /// cos π/8.
+    const LONG: f64 = 0.923_879_532_511_286_7;
+    /// sin π/8.
+    const SHORT: f64 = 0.382_683_432_365_089_8;
+    const SINES: [f64; 21] = [
+        0.0, SHORT, HALF, LONG, 1.0, LONG, HALF, SHORT, 0.0, -SHORT, -HALF, -LONG, -1.0, -LONG, -HALF, -SHORT, 0.0,
+        SHORT, HALF, LONG, 1.0,
+    ];
+    let sixteenth = (t * (16.0 / TAU)).round();
+    if sixteenth * (TAU / 16.0) == t {
+        let k = sixteenth as usize;
+        (SINES[k], SINES[k + 4])
+    } else {
+        t.sin_cos()
     }
 }
 
 /// The sign change of a monotone function between two ends, by Newton steps that a bracket keeps honest.
 ///
+/// - `known`: a place between the ends, and the function there
+/// - `bend`: a bound on the size of its second derivative
 /// - `function`: value and derivative
 /// - returns `None` where the ends have the same sign; a zero counts as positive
-fn bracketed(mut low: f64, mut high: f64, function: impl Fn(f64) -> (f64, f64)) -> Option<f64> {
-    let rising = function(high).0 >= 0.0;
-    if (function(low).0 >= 0.0) == rising {
+fn bracketed(
+    mut low: f64,
+    mut high: f64,
+    known: Option<(f64, [f64; 2])>,
+    bend: f64,
+    function: impl Fn(f64) -> [f64; 2],
+) -> Option<f64> {
+    let rising = function(high)[0] >= 0.0;
+    if (function(low)[0] >= 0.0) == rising {
         return None;
     }
-    let mut t = 0.5 * (low + high);
+    let (mut t, [mut value, mut slope]) = known.unwrap_or_else(|| {
+        let middle = 0.5 * (low + high);
+        (middle, function(middle))
+    });
     for _ in 0..80 {
-        let (value, slope) = function(t);
         if (value >= 0.0) == rising {
             high = t;
         } else {
             low = t;
         }
         let newton = t - value / slope;
-        let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
-        if (next - t).abs() <= f64::EPSILON * t.abs().max(1.0) {
+        let is_newton = newton > low && newton < high;
+        let next = if is_newton { newton } else { 0.5 * (low + high) };
+        let (step, rounding) = ((next - t).abs(), f64::EPSILON * t.abs().max(1.0));
+        // What a Newton step leaves is at most ½ bend step²/slope.
+        if step <= rounding || is_newton && bend * step * step <= rounding * slope.abs() {
             return Some(next);
         }
         t = next;
+        [value, slope] = function(t);
     }
     Some(t)
 }
