@@ -1,6 +1,7 @@
 //! What an exact value costs: microseconds a point, one thread; and maps of the shipped eclipse on all cores.
 //!
-//! `cargo bench --bench oracle`: median of several rounds; `-- NAME` asks for the rooms whose name contains it only. Derivatives and numbers of twice the width are given beside the
+//! `cargo bench --bench oracle`: median of several rounds; `-- NAME` asks for
+//! what has this in its name only (`penumbra` and `map` are names too). Derivatives and numbers of twice the width are given beside the
 //! plain value of the same room, as ratios.
 
 use std::time::Instant;
@@ -48,25 +49,30 @@ fn main() {
         ("rectangle behind disk", room(square(2.0, 1.0), vec![disk(1.0, 0.35)])),
         ("rectangle behind 16 mixed", room(square(2.0, 1.0), sixteen)),
     ];
-    println!("{:<30} {:>10}", "exact value", "µs/point");
-    let wanted = std::env::args().skip(1).find(|argument| !argument.starts_with('-'));
-    for (name, room) in rooms.iter().filter(|(name, _)| wanted.as_ref().is_none_or(|part| *name == part.as_str())) {
+    let wanted = std::env::args().skip(1).find(|argument| !argument.starts_with('-')).unwrap_or_default();
+    println!("{:<30} {:>10} {:>10}", "exact value", "µs/point", "ratio");
+    for (name, room) in rooms.iter().filter(|(name, _)| name.contains(&wanted)) {
         let oracle = Oracle::new(room);
         println!("{name:<30} {:>10.2}", microseconds(room.points(), |point| oracle.at(point).form_factor.ratio()));
     }
-    if wanted.is_some() {
-        return;
+    if "penumbra".contains(&wanted) {
+        penumbra(&disk);
     }
+    if "map".contains(&wanted) {
+        map(&room(disk(2.0, 0.5), vec![disk(1.0, 0.35)]));
+    }
+}
 
+/// Derivatives and numbers of twice the width, beside the plain value.
+fn penumbra(disk: &impl Fn(f64, f64) -> Shape) {
+    let eclipse = room(disk(2.0, 0.5), vec![disk(1.0, 0.35)]);
     let penumbra: Vec<MeasurementPoint> = points(33, 0.3, 0.9);
     let crescent: Vec<MeasurementPoint> = points(33, 0.2005, 0.203);
-    let eclipse = room(disk(2.0, 0.5), vec![disk(1.0, 0.35)]);
     let oracle = Oracle::new(&eclipse);
     let plain = microseconds(&penumbra, |point| oracle.at(point).form_factor.ratio());
-    println!("\n{:<30} {:>10} {:>10}", "disk behind disk, penumbra", "µs/point", "ratio");
-    println!("{:<30} {plain:>10.2} {:>10.2}", "plain", 1.0);
+    println!("{:<30} {plain:>10.2} {:>10.2}", "penumbra, plain", 1.0);
     let wide = microseconds(&crescent, |point| oracle.at(point).form_factor.ratio());
-    println!("{:<30} {wide:>10.2} {:>10.2}", "deep, twice the width", wide / plain);
+    println!("{:<30} {wide:>10.2} {:>10.2}", "penumbra, twice the width", wide / plain);
     let all = "source.0.center.x,source.0.center.y,source.0.center.z,source.0.normal.x,source.0.normal.y,source.0.normal.z,\
                source.0.radius,occluder.0.center.x,occluder.0.center.y,occluder.0.center.z,occluder.0.normal.x,\
                occluder.0.normal.y,occluder.0.normal.z,occluder.0.radius,point.position.x,point.position.y,\
@@ -75,9 +81,13 @@ fn main() {
     for count in [1, 8, 20] {
         let parameters = oracle.parameters(&eclipse, &all[..count]).unwrap();
         let time = microseconds(&penumbra, |point| oracle.derivatives(point, &parameters).values.unwrap()[0]);
-        println!("{:<30} {time:>10.2} {:>10.2}", format!("{count} derivatives"), time / plain);
+        println!("{:<30} {time:>10.2} {:>10.2}", format!("penumbra, {count} derivatives"), time / plain);
     }
+}
 
+/// A million points on all cores.
+fn map(eclipse: &Configuration) {
+    let oracle = Oracle::new(eclipse);
     let side = 1000_u32;
     let start = Instant::now();
     let seen: f64 = (0..side)
@@ -93,7 +103,7 @@ fn main() {
         .sum();
     let pixels = f64::from(side) * f64::from(side);
     println!(
-        "\na map of the eclipse, {side} x {side} points on {} threads: {:.2} s (mean form factor {:.6})",
+        "a map of the eclipse, {side} x {side} points on {} threads: {:.2} s (mean form factor {:.6})",
         rayon::current_num_threads(),
         start.elapsed().as_secs_f64(),
         seen / pixels

@@ -15,9 +15,9 @@ use crate::configuration::{Configuration, MeasurementPoint};
 use crate::geometry::Shape;
 use crate::number::{Dual, Number, Vector, Wide};
 
-/// Parameters that one run over dual numbers carries along: two vectors of the widest registers, and few enough that
-/// asking for one does not cost as much as asking for many.
-const LANES: usize = 8;
+/// Parameters that one run over dual numbers carries along: few enough that asking for one does not cost as much as asking
+/// for many, enough that the parameters of two bodies and a point take two runs.
+const LANES: usize = 10;
 
 /// A number of a case, by its path: `source.0.center.x`, `occluder.1.radius`, `point.position.z`.
 ///

@@ -143,13 +143,8 @@ fn sin_cos(t: f64) -> (f64, f64) {
         0.0, SHORT, HALF, LONG, 1.0, LONG, HALF, SHORT, 0.0, -SHORT, -HALF, -LONG, -1.0, -LONG, -HALF, -SHORT, 0.0,
         SHORT, HALF, LONG, 1.0,
     ];
-    let sixteenth = (t * (16.0 / TAU)).round();
-    if sixteenth * (TAU / 16.0) == t {
-        let k = sixteenth as usize;
-        (SINES[k], SINES[k + 4])
-    } else {
-        t.sin_cos()
-    }
+    let k = (t * (16.0 / TAU) + 0.5) as usize;
+    if k as f64 * (TAU / 16.0) == t { (SINES[k], SINES[k + 4]) } else { t.sin_cos() }
 }
 
 /// The sign change of a monotone function between two ends, by Newton steps that a bracket keeps honest.
