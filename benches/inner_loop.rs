@@ -5,7 +5,7 @@
 use std::time::Instant;
 
 use etendue::configuration::{Arrangement, Configuration, MeasurementPoint, Source};
-use etendue::estimator::{AreaEstimator, Job, Scratch};
+use etendue::estimator::{AreaEstimator, Estimator, Job, Scratch};
 use etendue::geometry::{DVec3, Disk, Rectangle, Shape, Sphere};
 use etendue::radiometry::Exitance;
 use etendue::sampling::{Strategy, StreamKey};

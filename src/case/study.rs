@@ -35,7 +35,7 @@ pub struct Study {
 impl Default for Study {
     fn default() -> Study {
         Study {
-            strategies: Strategy::ALL.to_vec(),
+            strategies: Strategy::LECTURE.to_vec(),
             samples: vec![1, 4, 16, 64, 256, 1024],
             replicates: Replicates::Auto,
             smallest_bias: SmallestBias { mean: 1e-2, point: 1e-1 },

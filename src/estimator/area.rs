@@ -11,15 +11,15 @@
 
 use std::f64::consts::PI;
 use std::num::NonZero;
-use std::ops::Range;
 use std::sync::Arc;
 
 use glam::DVec3;
 
+use super::{Estimator, Job};
 use crate::configuration::{Configuration, MeasurementPoint};
 use crate::geometry::Shape;
 use crate::sampling::{
-    BLOCK, LANES, Lanes, Pattern, Row, Squares, Strategy, StreamKey, Surface, SurfaceBlock, fill_side_by_side, groups,
+    BLOCK, LANES, Lanes, Pattern, Row, Squares, StreamKey, Surface, SurfaceBlock, fill_side_by_side, groups,
 };
 use crate::scene::{Blocker, ShadowRays};
 
@@ -80,33 +80,18 @@ impl AreaEstimator {
         });
         AreaEstimator { emitters: emitters.collect(), arch: pulp::Arch::new() }
     }
+}
 
-    /// Shadow rays of one estimate with `samples` points on each source.
-    pub fn rays_per_estimate(&self, samples: u64) -> u64 {
+impl Estimator for AreaEstimator {
+    fn rays_per_estimate(&self, samples: u64) -> u64 {
         self.emitters.len() as u64 * samples
     }
 
-    /// Estimates of the irradiance at each point, W/m², replicate by replicate.
-    ///
-    /// - `estimates`: `[point][replicate]`, as many as points × replicates
-    pub fn estimate(&self, job: &Job, scratch: &mut Scratch, estimates: &mut [f64]) {
+    fn estimate(&self, job: &Job, scratch: &mut Scratch, estimates: &mut [f64]) {
         // One source text, compiled for each instruction set and chosen at run time. Rust never fuses a multiplication
         // and an addition by itself, so the set changes the speed and no bit.
         self.arch.dispatch(Estimate { emitters: &self.emitters, job, scratch, estimates });
     }
-}
-
-/// What is to be estimated.
-#[derive(Clone, Debug)]
-pub struct Job<'a> {
-    pub strategy: Strategy,
-    /// N ≥ 1 points on each source.
-    pub samples: u64,
-    /// Key of this strategy and sample count ([`StreamKey::cell`]); replicate, point (0 where points are shared, else
-    /// counted from 1) and source are absorbed below it, in that order.
-    pub cell: StreamKey,
-    pub replicates: Range<u64>,
-    pub points: &'a [MeasurementPoint],
 }
 
 /// A job as a function that can be compiled for any instruction set.
@@ -337,6 +322,7 @@ mod tests {
     use crate::configuration::{Arrangement, Source};
     use crate::geometry::{Disk, Rectangle, Sphere};
     use crate::radiometry::Exitance;
+    use crate::sampling::Strategy;
 
     fn over_the_origin(shape: Shape, occluders: Vec<Shape>) -> Configuration {
         let source = Source::new(shape, Exitance::new(2.0)).unwrap();

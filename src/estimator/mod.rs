@@ -4,4 +4,41 @@
 
 mod area;
 
-pub use area::{AreaEstimator, Job, Scratch};
+use std::ops::Range;
+
+pub use area::{AreaEstimator, Scratch};
+
+use crate::configuration::{Configuration, MeasurementPoint};
+use crate::sampling::{Strategy, StreamKey, Technique};
+
+/// Something that estimates irradiance: this is what is judged.
+pub trait Estimator: Sync {
+    /// Shadow rays of one estimate with `samples` points on each source.
+    fn rays_per_estimate(&self, samples: u64) -> u64;
+
+    /// Estimates of the irradiance at each point, W/m², replicate by replicate.
+    ///
+    /// - `scratch`: working memory of the calling thread
+    /// - `estimates`: `[point][replicate]`, as many as points × replicates
+    fn estimate(&self, job: &Job, scratch: &mut Scratch, estimates: &mut [f64]);
+}
+
+/// What is to be estimated.
+#[derive(Clone, Debug)]
+pub struct Job<'a> {
+    pub strategy: Strategy,
+    /// N ≥ 1 points on each source.
+    pub samples: u64,
+    /// Key of this strategy and sample count ([`StreamKey::cell`]); replicate, point (0 where points are shared, else
+    /// counted from 1) and source are absorbed below it, in that order.
+    pub cell: StreamKey,
+    pub replicates: Range<u64>,
+    pub points: &'a [MeasurementPoint],
+}
+
+/// The estimator of a technique, surfaces and hierarchies prepared.
+pub fn for_technique(configuration: &Configuration, technique: Technique) -> Box<dyn Estimator> {
+    match technique {
+        Technique::Area => Box::new(AreaEstimator::new(configuration)),
+    }
+}

@@ -13,7 +13,7 @@ mod warp;
 pub use lanes::{LANES, Lanes, Stream};
 pub use pattern::{Pattern, Squares, fill_side_by_side};
 pub use seed::{Purpose, StreamKey};
-pub use strategy::Strategy;
+pub use strategy::{PointSet, Strategy, Technique};
 pub use warp::{Surface, SurfaceBlock};
 
 /// Samples worked on together: small enough for the first-level cache, large enough to hide the dispatch.

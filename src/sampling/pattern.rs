@@ -1,6 +1,6 @@
 //! Points of the unit square, a block at a time.
 
-use super::{BLOCK, LANES, Lanes, Row, Strategy, StreamKey, groups};
+use super::{BLOCK, LANES, Lanes, PointSet, Row, Strategy, StreamKey, groups};
 
 /// One block of points of the unit square.
 #[derive(Clone, Debug)]
@@ -25,9 +25,9 @@ pub struct Pattern {
 impl Pattern {
     /// - `n`: points of the estimate, ≥ 1
     pub fn new(strategy: Strategy, n: u64, lanes: Lanes) -> Pattern {
-        let strata = match strategy {
-            Strategy::Random | Strategy::Correlated => None,
-            Strategy::Stratified => Some(Strata::new(n)),
+        let strata = match strategy.point_set() {
+            PointSet::Independent => None,
+            PointSet::Stratified => Some(Strata::new(n)),
         };
         Pattern { strata, lanes }
     }
@@ -58,7 +58,7 @@ pub fn fill_side_by_side(strategy: Strategy, n: usize, keys: &[StreamKey], squar
         squares.u[group] = lanes.next_units();
         squares.v[group] = lanes.next_units();
     }
-    if strategy == Strategy::Stratified {
+    if strategy.point_set() == PointSet::Stratified {
         let mut strata = Strata::new(n as u64);
         let cells: [Stratum; LANES] = std::array::from_fn(|lane| {
             if lane % n == 0 {

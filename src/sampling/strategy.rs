@@ -2,6 +2,22 @@
 
 use std::fmt;
 
+/// What a strategy draws, and with which density.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Technique {
+    /// Places on the source, uniform by area.
+    Area,
+}
+
+/// How the points of one estimate lie to one another in the unit square. Each by itself is uniform.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum PointSet {
+    /// N independent points.
+    Independent,
+    /// One in each of N strata of equal area.
+    Stratified,
+}
+
 /// A point pattern, and whether its points are fresh for each shading point or shared by all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Strategy {
@@ -16,6 +32,8 @@ pub enum Strategy {
 impl Strategy {
     /// All of them, in the order of reports.
     pub const ALL: [Strategy; 3] = [Strategy::Random, Strategy::Correlated, Strategy::Stratified];
+    /// The three at the heart of the study: what a case measures that names none.
+    pub const LECTURE: [Strategy; 3] = [Strategy::Random, Strategy::Correlated, Strategy::Stratified];
 
     /// The name that case files and reports use.
     pub fn name(self) -> &'static str {
@@ -34,6 +52,21 @@ impl Strategy {
             Strategy::Stratified => {
                 "one jittered point in each of N strata of equal area, fresh for each shading point"
             }
+        }
+    }
+
+    /// What the points are points of: where directions or places are drawn from, and with which density.
+    pub fn technique(self) -> Technique {
+        match self {
+            Strategy::Random | Strategy::Correlated | Strategy::Stratified => Technique::Area,
+        }
+    }
+
+    /// How the points of one estimate lie to one another.
+    pub fn point_set(self) -> PointSet {
+        match self {
+            Strategy::Random | Strategy::Correlated => PointSet::Independent,
+            Strategy::Stratified => PointSet::Stratified,
         }
     }
 

@@ -7,7 +7,7 @@ use std::time::Instant;
 use rayon::prelude::*;
 
 use crate::case::Case;
-use crate::estimator::{AreaEstimator, Job, Scratch};
+use crate::estimator::{Estimator, Job, Scratch};
 use crate::oracle::Truth;
 use crate::sampling::{Purpose, Strategy, StreamKey};
 use crate::statistics::PowerSums;
@@ -42,17 +42,17 @@ impl Contrasts {
     }
 }
 
-/// A case made ready: exact values known, surfaces and hierarchies built.
+/// A case made ready for one strategy: exact values known, surfaces and hierarchies built.
 pub(super) struct Prepared<'a> {
     pub case: &'a Case,
     pub seed: u64,
     pub truths: &'a [Truth],
     /// Exact irradiance at each point, W/m².
-    pub exact: Vec<f64>,
+    pub exact: &'a [f64],
     /// The sources' light at each point, of which it may see a share, W/m².
-    pub full: Vec<f64>,
-    pub estimator: &'a AreaEstimator,
-    pub contrasts: Contrasts,
+    pub full: &'a [f64],
+    pub estimator: &'a dyn Estimator,
+    pub contrasts: &'a Contrasts,
 }
 
 /// What the replicates of one cell came to.
@@ -139,7 +139,7 @@ fn measure_unit(
     replicates: Range<u64>,
 ) -> UnitSums {
     let start = Instant::now();
-    let exact = &prepared.exact;
+    let exact = prepared.exact;
     let points = prepared.case.configuration.points();
     let mut unit = UnitSums {
         points: exact.iter().map(|e| PowerSums::about(*e)).collect(),

@@ -17,5 +17,5 @@ mod settings;
 pub use outcome::{
     CaseOutcome, Cell, Correlation, JudgedProperty, Measured, Rate, RatePoint, RunOutcome, StrategyOutcome, Timing,
 };
-pub use run::{Progress, TrialError, run};
+pub use run::{Maker, Progress, TrialError, run, run_with};
 pub use settings::{Effort, Overrides, Settings};

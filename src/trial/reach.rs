@@ -89,7 +89,7 @@ fn flat_ceiling(height: f64, to_box: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::configuration::{Arrangement, Source};
-    use crate::estimator::{AreaEstimator, Job, Scratch};
+    use crate::estimator::{AreaEstimator, Estimator, Job, Scratch};
     use crate::geometry::{Disk, Rectangle, Sphere};
     use crate::radiometry::Exitance;
     use crate::sampling::{Strategy, StreamKey};

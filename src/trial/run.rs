@@ -1,5 +1,6 @@
 //! Runs a study over cases: exact values, pilot, plan, measurement, judgement.
 
+use std::collections::BTreeMap;
 use std::time::Instant;
 
 use rand::RngExt;
@@ -15,11 +16,11 @@ use super::reach::full;
 use super::settings::Settings;
 use crate::case::{Case, Study};
 use crate::configuration::{Configuration, MeasurementPoint};
-use crate::estimator::AreaEstimator;
+use crate::estimator::{Estimator, for_technique};
 use crate::geometry::{DVec3, Shape};
 use crate::oracle::{Oracle, Truth};
 use crate::sampling::{
-    BLOCK, LANES, Lanes, Pattern, Purpose, Squares, Strategy, Stream, StreamKey, Surface, SurfaceBlock,
+    BLOCK, LANES, Lanes, Pattern, Purpose, Squares, Strategy, Stream, StreamKey, Surface, SurfaceBlock, Technique,
 };
 use crate::scene::Hierarchy;
 use crate::statistics::interval;
@@ -48,10 +49,23 @@ pub enum TrialError {
     HierarchyDisagrees { case: String, mesh: usize, from: DVec3, to: DVec3 },
 }
 
-/// Measures and judges every case.
+/// Makes the estimator that is judged, for one configuration and technique.
+pub type Maker<'a> = dyn Fn(&Configuration, Technique) -> Box<dyn Estimator> + 'a;
+
+/// Measures and judges every case with the built-in estimators.
 pub fn run(
     cases: &[Case],
     settings: &Settings,
+    progress: &(dyn Fn(Progress) + Sync),
+) -> Result<RunOutcome, TrialError> {
+    run_with(cases, settings, &for_technique, progress)
+}
+
+/// Measures and judges every case with estimators of any make.
+pub fn run_with(
+    cases: &[Case],
+    settings: &Settings,
+    make: &Maker,
     progress: &(dyn Fn(Progress) + Sync),
 ) -> Result<RunOutcome, TrialError> {
     let selectors: Vec<&str> = cases.iter().map(|case| case.selector.as_str()).collect();
@@ -59,7 +73,7 @@ pub fn run(
         .iter()
         .map(|case| {
             progress(Progress::Case(&case.name));
-            run_case(case, settings, progress)
+            run_case(case, settings, make, progress)
         })
         .collect::<Result<Vec<_>, _>>()?;
     Ok(RunOutcome { seed: settings.seed, command: settings.command(&selectors, None), cases })
@@ -68,6 +82,7 @@ pub fn run(
 fn run_case(
     case: &Case,
     settings: &Settings,
+    make: &Maker,
     progress: &(dyn Fn(Progress) + Sync),
 ) -> Result<CaseOutcome, TrialError> {
     let study = settings.study(&case.study);
@@ -81,15 +96,25 @@ fn run_case(
         efficiency: None,
     }];
     let exact: Vec<f64> = truths.iter().map(|truth| truth.irradiance.watts_per_square_metre()).collect();
-    let estimator = AreaEstimator::new(&case.configuration);
     let contrasts = Contrasts::new(&exact);
     let full = full(&case.configuration, &oracle, &truths);
-    let prepared =
-        Prepared { case, seed: settings.seed, truths: &truths, exact, full, estimator: &estimator, contrasts };
+    let mut estimators: BTreeMap<Technique, Box<dyn Estimator>> = BTreeMap::new();
+    for strategy in &study.strategies {
+        estimators.entry(strategy.technique()).or_insert_with_key(|technique| make(&case.configuration, *technique));
+    }
     let strategies = study
         .strategies
         .iter()
         .map(|strategy| {
+            let prepared = Prepared {
+                case,
+                seed: settings.seed,
+                truths: &truths,
+                exact: &exact,
+                full: &full,
+                estimator: &*estimators[&strategy.technique()],
+                contrasts: &contrasts,
+            };
             let reproduce = settings.command(&[&case.selector], Some(*strategy));
             run_strategy(&prepared, &study, *strategy, reproduce, progress)
         })

@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 use etendue::case::{Case, shipped};
 use etendue::configuration::{Arrangement, Configuration, Source};
-use etendue::estimator::{AreaEstimator, Job, Scratch};
+use etendue::estimator::{AreaEstimator, Estimator, Job, Scratch};
 use etendue::geometry::{DVec3, Disk, Mesh, Shape};
 use etendue::radiometry::Exitance;
 use etendue::sampling::{BLOCK, LANES, Lanes, Pattern, Purpose, Squares, Strategy, StreamKey, Surface, SurfaceBlock};
