@@ -28,6 +28,7 @@ mod silhouette;
 mod surface;
 mod trigonometric;
 mod truth;
+pub mod variance;
 
 pub use derivative::{Derivatives, Parameter, ParameterError, Parameters, Side};
 pub use exact::Oracle;
