@@ -11,9 +11,13 @@ use crate::number::{Wide, gauss_10};
 /// s: the electric field is perpendicular to the plane of incidence; p: it lies in it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fresnel {
+    /// Reflected share of s light.
     pub reflectance_s: f64,
+    /// Reflected share of p light.
     pub reflectance_p: f64,
+    /// Transmitted share of s light.
     pub transmittance_s: f64,
+    /// Transmitted share of p light.
     pub transmittance_p: f64,
 }
 
