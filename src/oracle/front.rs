@@ -15,7 +15,6 @@ pub(super) struct Front<'a> {
     keep: HalfSpace,
 }
 
-#[expect(clippy::large_enum_variant, reason = "lives for one match, where a box would cost an allocation")]
 pub(super) enum Blocking {
     None,
     Part {
