@@ -133,6 +133,7 @@ pub(super) fn is_annular(sources: &[Seen]) -> bool {
 }
 
 impl Oracle {
+    /// Prepares all shapes once, for any number of points.
     pub fn new(configuration: &Configuration) -> Oracle {
         let shapes = || configuration.sources().iter().map(Source::shape).chain(configuration.occluders());
         let largest = shapes()

@@ -115,6 +115,7 @@ pub(super) fn convergence<'a>() -> Table<ConvergenceRow<'a>> {
                 .measured
                 .mse),
         ],
+        more: &[],
     }
 }
 
@@ -153,6 +154,7 @@ pub(super) fn rates<'a>() -> Table<Of<'a, Rate>> {
                 |r| r.item.verdict.map_or("not_judged", |verdict| verdict.name())
             ),
         ],
+        more: &[],
     }
 }
 
@@ -182,6 +184,7 @@ pub(super) fn correlation<'a>() -> Table<Of<'a, Correlation>> {
                 |r| r.item.predicted
             ),
         ],
+        more: &[],
     }
 }
 
@@ -227,6 +230,7 @@ pub(super) fn verdicts<'a>() -> Table<Of<'a, JudgedProperty>> {
             ),
             column!("reproduce", "", "the command line that gives the same verdict", |r| r.item.reproduce.as_str()),
         ],
+        more: &[],
     }
 }
 
@@ -271,5 +275,6 @@ pub(super) fn timings<'a>() -> Table<TimingRow<'a>> {
                 |r| r.timing.efficiency
             ),
         ],
+        more: &[],
     }
 }

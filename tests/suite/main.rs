@@ -9,6 +9,8 @@ mod convergence;
 mod determinism;
 mod estimator_laws;
 mod exact;
+mod gauss;
+mod icosphere;
 mod laws;
 mod meshes;
 mod papers;
