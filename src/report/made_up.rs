@@ -214,6 +214,7 @@ fn rate(strategy: Strategy, cells: &[Cell], truths: &[Truth], region: Option<Reg
         slope_high: slope + 0.012,
         intercept: my - slope * mx,
         expected_slope,
+        asymptote: expected_slope,
         verdict: region.map(|_| Verdict::Pass),
         points,
     })

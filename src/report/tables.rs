@@ -144,13 +144,13 @@ pub(super) fn rates<'a>() -> Table<Of<'a, Rate>> {
             column!(
                 "expected_slope",
                 "",
-                "the asymptote that theory gives; a finite range of N need not have reached it",
+                "the same fit of the predicted variances over the same N; the asymptote (-1, -3/2, -2) where they are not predicted",
                 |r| r.item.expected_slope
             ),
             column!(
                 "verdict",
                 "",
-                "`pass`, `fail`, `undecided`, or `not_judged` where the slope is only shown",
+                "`fail` where the expected slope lies outside the interval that covers with probability 1 - 1e-6, `undecided` where the 95 % interval is wider than 0.5, else `pass`; `not_judged` where nothing is predicted",
                 |r| r.item.verdict.map_or("not_judged", |verdict| verdict.name())
             ),
         ],

@@ -9,10 +9,12 @@ mod judge;
 mod measure;
 mod outcome;
 mod plan;
+mod predict;
 mod rates;
 mod reach;
 mod run;
 mod settings;
+mod spread;
 
 pub use outcome::{
     CaseOutcome, Cell, Correlation, JudgedProperty, Measured, Rate, RatePoint, RunOutcome, StrategyOutcome, Timing,

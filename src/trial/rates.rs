@@ -2,24 +2,29 @@
 
 use super::measure::{BATCHES, CellSums, Prepared};
 use super::outcome::{Rate, RatePoint};
+use super::plan::CellPlan;
 use crate::configuration::Source;
 use crate::oracle::Region;
 use crate::sampling::{Strategy, Surface};
+use crate::statistics::Verdict;
+use crate::statistics::evidence::ALPHA;
 use crate::statistics::slope::{Line, Noise};
 
 const LEVEL: f64 = 0.95;
+/// A slope's interval wider than this decides nothing: it tells −1 from −3/2 no more.
+const WIDEST_SLOPE: f64 = 0.5;
 /// Two-sided 95 % of a normal distribution.
 const Z_95: f64 = 1.959_963_984_540_054;
 
 /// One rate for all points that light reaches, and one for each region with at least two of them.
-pub(super) fn rates(prepared: &Prepared, strategy: Strategy, cells: &[CellSums]) -> Vec<Rate> {
+pub(super) fn rates(prepared: &Prepared, strategy: Strategy, cells: &[CellSums], plans: &[CellPlan]) -> Vec<Rate> {
     let reached = |p: &usize| prepared.exact[*p] > 0.0;
     let all: Vec<usize> = (0..prepared.exact.len()).filter(reached).collect();
-    let mut rates = Vec::from_iter(rate(prepared, strategy, cells, None, &all));
+    let mut rates = Vec::from_iter(rate(prepared, strategy, cells, plans, None, &all));
     for region in [Region::Lit, Region::Penumbra] {
         let points: Vec<usize> = all.iter().copied().filter(|p| prepared.truths[*p].region == region).collect();
         if points.len() >= 2 {
-            rates.extend(rate(prepared, strategy, cells, Some(region), &points));
+            rates.extend(rate(prepared, strategy, cells, plans, Some(region), &points));
         }
     }
     rates
@@ -30,12 +35,14 @@ fn rate(
     prepared: &Prepared,
     strategy: Strategy,
     cells: &[CellSums],
+    plans: &[CellPlan],
     region: Option<Region>,
     points: &[usize],
 ) -> Option<Rate> {
     let mut curve = Vec::new();
     let (mut x, mut y, mut noise) = (Vec::new(), Vec::new(), Vec::new());
-    for cell in cells {
+    let mut predicted = Some(Vec::new());
+    for (cell, plan) in cells.iter().zip(plans) {
         let mean_over_points =
             |value: &dyn Fn(usize) -> f64| points.iter().map(|p| value(*p)).sum::<f64>() / points.len() as f64;
         let value = mean_over_points(&|p| cell.points[p].variance().unwrap_or(0.0));
@@ -52,11 +59,28 @@ fn rate(
         curve.push(RatePoint { samples: cell.samples, value, low: value / factor, high: value * factor });
         x.push((cell.samples as f64).ln());
         y.push(value.ln());
+        let sum: Option<f64> = points.iter().map(|p| Some(plan.prediction.points[*p]?.spread.variance)).sum();
+        match (&mut predicted, sum) {
+            (Some(list), Some(sum)) if sum > 0.0 => list.push((sum / points.len() as f64).ln()),
+            _ => predicted = None,
+        }
         // Batches that agree to the last digit (a variance known without noise) still leave rounding.
         noise.push((relative * relative).max(1e-24));
     }
     let line = Line::through(&x, &y, Noise::Known { variances: &noise }).ok()?;
     let interval = line.slope_interval(LEVEL)?;
+    // The same fit, with the same weights, of what is predicted: a finite range is not the asymptote.
+    let expected = predicted
+        .as_ref()
+        .and_then(|y| Line::through(&x, y, Noise::Known { variances: &noise }).ok())
+        .map(|line| line.slope);
+    let asymptote = asymptote(prepared, strategy, points);
+    let surely = line.slope_interval(1.0 - ALPHA)?;
+    let verdict = expected.map(|expected| match surely.contains(expected) {
+        false => Verdict::Fail,
+        true if interval.width() <= WIDEST_SLOPE => Verdict::Pass,
+        true => Verdict::Undecided,
+    });
     Some(Rate {
         quantity: "variance",
         region,
@@ -64,8 +88,9 @@ fn rate(
         slope_low: interval.low,
         slope_high: interval.high,
         intercept: line.intercept,
-        expected_slope: asymptote(prepared, strategy, points),
-        verdict: None,
+        expected_slope: expected.unwrap_or(asymptote),
+        asymptote,
+        verdict,
         points: curve,
     })
 }

@@ -11,9 +11,11 @@ use super::judge;
 use super::measure::{CellSums, Contrasts, Prepared, measure};
 use super::outcome::{CaseOutcome, Cell, Measured, RunOutcome, StrategyOutcome, Timing};
 use super::plan::{CellPlan, pilot_replicates};
+use super::predict::Predictions;
 use super::rates::rates;
 use super::reach::full;
 use super::settings::Settings;
+use super::spread;
 use crate::case::{Case, Study};
 use crate::configuration::{Configuration, MeasurementPoint};
 use crate::estimator::{Estimator, for_technique};
@@ -98,6 +100,15 @@ fn run_case(
     let exact: Vec<f64> = truths.iter().map(|truth| truth.irradiance.watts_per_square_metre()).collect();
     let contrasts = Contrasts::new(&exact);
     let full = full(&case.configuration, &oracle, &truths);
+    let start = Instant::now();
+    let pairs = super::correlation::pairs(&case.configuration);
+    let predictions = Predictions::new(&oracle, &case.configuration, &study, &contrasts.weights, &pairs);
+    timings.push(Timing {
+        stage: "predict",
+        rays: truths.len() as u64,
+        seconds: start.elapsed().as_secs_f64(),
+        efficiency: None,
+    });
     let mut estimators: BTreeMap<Technique, Box<dyn Estimator>> = BTreeMap::new();
     for strategy in &study.strategies {
         estimators.entry(strategy.technique()).or_insert_with_key(|technique| make(&case.configuration, *technique));
@@ -114,6 +125,7 @@ fn run_case(
                 full: &full,
                 estimator: &*estimators[&strategy.technique()],
                 contrasts: &contrasts,
+                predictions: &predictions,
             };
             let reproduce = settings.command(&[&case.selector], Some(*strategy));
             run_strategy(&prepared, &study, *strategy, reproduce, progress)
@@ -148,13 +160,18 @@ fn run_strategy(
     let plans: Vec<CellPlan> = study
         .samples
         .iter()
-        .map(|samples| {
+        .enumerate()
+        .map(|(index, samples)| {
+            let prediction = prepared.predictions.cell(strategy, study, index, &prepared.contrasts.weights);
+            if prediction.is_complete() {
+                return CellPlan::new(prepared, study, *samples, prediction, None);
+            }
             let replicates = pilot_replicates(*samples);
             progress(Progress::Planned(rays_of(*samples, replicates)));
             let pilot = measure(prepared, Purpose::Pilot, strategy, *samples, replicates, &traced);
             pilot_rays += rays_of(*samples, replicates);
             pilot_seconds += pilot.seconds;
-            CellPlan::new(prepared, study, &pilot)
+            CellPlan::new(prepared, study, *samples, prediction, Some(&pilot))
         })
         .collect();
     for plan in &plans {
@@ -165,21 +182,26 @@ fn run_strategy(
         .map(|plan| measure(prepared, Purpose::Measurement, strategy, plan.samples, plan.replicates, &traced))
         .collect();
     let rays = plans.iter().map(|plan| rays_of(plan.samples, plan.replicates)).sum();
-    let timings = vec![
-        Timing { stage: "pilot", rays: pilot_rays, seconds: pilot_seconds, efficiency: None },
-        Timing {
+    let pilot = Timing { stage: "pilot", rays: pilot_rays, seconds: pilot_seconds, efficiency: None };
+    let timings = (pilot_rays > 0)
+        .then_some(pilot)
+        .into_iter()
+        .chain([Timing {
             stage: "measure",
             rays,
             seconds: cells.iter().map(|cell| cell.seconds).sum(),
             efficiency: cells.last().and_then(|cell| efficiency(cell, prepared.exact.len())),
-        },
-    ];
+        }])
+        .collect();
+    let mut verdicts = vec![judge::bias(prepared, study, strategy, &cells, &plans, reproduce.clone())];
+    verdicts.extend(spread::variance(prepared, study, strategy, &cells, &plans, &reproduce));
+    verdicts.extend(spread::covariance(prepared, study, strategy, &cells, &plans, &reproduce));
     StrategyOutcome {
         strategy,
-        rates: rates(prepared, strategy, &cells),
-        correlations: correlations(prepared, &cells),
-        verdicts: vec![judge::bias(prepared, study, strategy, &cells, &plans, reproduce)],
-        cells: cells.iter().map(shown).collect(),
+        rates: rates(prepared, strategy, &cells, &plans),
+        correlations: correlations(prepared, strategy, &cells),
+        verdicts,
+        cells: cells.iter().zip(&plans).map(|(cell, plan)| shown(cell, plan)).collect(),
         timings,
     }
 }
@@ -192,8 +214,8 @@ fn efficiency(cell: &CellSums, n_points: usize) -> Option<f64> {
 }
 
 /// What reports show of a cell.
-fn shown(cell: &CellSums) -> Cell {
-    let points = cell.points.iter().map(|sums| {
+fn shown(cell: &CellSums, plan: &CellPlan) -> Cell {
+    let points = cell.points.iter().zip(&plan.prediction.points).map(|(sums, predicted)| {
         let variance = sums.variance().unwrap_or(0.0);
         let spread = interval::of_variance(sums, LEVEL);
         Measured {
@@ -203,7 +225,7 @@ fn shown(cell: &CellSums) -> Cell {
             variance,
             variance_low: spread.map_or(variance, |interval| interval.low),
             variance_high: spread.map_or(variance, |interval| interval.high),
-            predicted_variance: None,
+            predicted_variance: predicted.map(|predicted| predicted.spread.variance),
             mse: sums.mean_square_deviation().unwrap_or(0.0),
         }
     });

@@ -53,10 +53,10 @@ pub(super) struct Cells<'a, F> {
     pub contribution: F,
     /// Halvings of the first cell after which strata are asked for: no cell above this level is taken whole.
     pub finest: u32,
+    /// Halvings down to which a cell on an edge is cut.
+    pub edge_level: u32,
 }
 
-/// Halvings down to which a cell on an edge is cut.
-const EDGE_LEVEL: u32 = 9;
 /// Beyond the finest strata, too: so often are those on an edge cut.
 const EDGE_BELOW: u32 = 4;
 /// A cell that is hardly narrower than the one that it is a quarter of, and beyond this level, is torn: it will not shrink.
@@ -125,7 +125,7 @@ impl<F: Fn(&Landing) -> Contribution> Cells<'_, F> {
             if level >= smooth && (reach <= WIDEST || is_torn) {
                 return if reach <= NARROW { self.ruled(cell, &GAUSS_3) } else { self.ruled(cell, &GAUSS_4) };
             }
-        } else if level >= EDGE_LEVEL.max(self.finest + EDGE_BELOW) && (reach <= WIDEST || is_torn) {
+        } else if level >= self.edge_level.max(self.finest + EDGE_BELOW) && (reach <= WIDEST || is_torn) {
             let (u, v) = cell.at(0.5, 0.5);
             let margins = corners.map(|corner| self.field.margin(corner));
             let mut sums = Sums::default();

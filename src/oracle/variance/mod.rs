@@ -102,8 +102,35 @@ impl Oracle {
         if field.is_dark() {
             return Some(SampleMoments { raw: [0.0; 4] });
         }
-        let cells = Cells { field: &field, contribution, finest: 0 };
-        Some(SampleMoments { raw: cells.sums(Cell::WHOLE, 0, &mut |_, _, _| {}).0 })
+        let due = self.due(source, point);
+        EDGE_LEVELS.into_iter().find_map(|edge_level| {
+            // The mean by area comes along, as a check: it is known.
+            let by_area = Cells { field: &field, contribution: Contribution::by_area, finest: 0, edge_level };
+            if !agrees(by_area.sums(Cell::WHOLE, 0, &mut |_, _, _| {}).0[0], due) {
+                return None;
+            }
+            let cells = Cells { field: &field, contribution: &contribution, finest: 0, edge_level };
+            Some(SampleMoments { raw: cells.sums(Cell::WHOLE, 0, &mut |_, _, _| {}).0 })
+        })
+    }
+
+    /// The irradiance of one source at a point, W/m².
+    fn due(&self, source: usize, point: &MeasurementPoint) -> f64 {
+        self.seen(point)[source].visible.value * self.sources[source].exitance
+    }
+
+    /// Moments of what one sample by area on a source brings to a point.
+    pub fn area_moments(&self, source: usize, point: &MeasurementPoint) -> Option<SampleMoments> {
+        let field = Field::new(self, source, point)?;
+        if field.is_dark() {
+            return Some(SampleMoments { raw: [0.0; 4] });
+        }
+        let due = self.due(source, point);
+        EDGE_LEVELS.into_iter().find_map(|edge_level| {
+            let cells = Cells { field: &field, contribution: Contribution::by_area, finest: 0, edge_level };
+            let raw = cells.sums(Cell::WHOLE, 0, &mut |_, _, _| {}).0;
+            agrees(raw[0], due).then_some(SampleMoments { raw })
+        })
     }
 
     /// Spread of the estimate with one sample, uniform by area, in each of the strata of every source.
@@ -123,36 +150,70 @@ impl Oracle {
             if field.is_dark() {
                 continue;
             }
-            // Powers of 4 are levels of one and the same division.
-            let level_of = |n: u64| {
-                (n.is_power_of_two() && n.trailing_zeros().is_multiple_of(2)).then(|| n.trailing_zeros() / 2)
-            };
-            if let Some(finest) = counts.iter().filter_map(|n| level_of(*n)).max() {
-                let cells = Cells { field: &field, contribution: Contribution::by_area, finest };
-                cells.sums(Cell::WHOLE, 0, &mut |level, area, sums: &Sums| {
-                    for (spread, n) in spreads.iter_mut().zip(counts) {
-                        if level_of(*n) == Some(level) {
-                            *spread = spread.plus(of_stratum(sums, area, *n));
-                        }
-                    }
-                });
-            }
-            for (spread, n) in spreads.iter_mut().zip(counts) {
-                if level_of(*n).is_some() {
-                    continue;
-                }
-                let level = (*n as f64).log(4.0).floor() as u32;
-                let cells = Cells { field: &field, contribution: Contribution::by_area, finest: level };
-                for [u0, u1, v0, v1] in strata(*n) {
-                    let cell = Cell { u: [u0, u1], v: [v0, v1] };
-                    let sums = cells.sums(cell, level, &mut |_, _, _| {});
-                    *spread = spread.plus(of_stratum(&sums, cell.area(), *n));
-                }
+            let due = self.due(source, point);
+            let of_source =
+                EDGE_LEVELS.into_iter().find_map(|level| strata_of(&field, counts, strata, level, due))?;
+            for (spread, part) in spreads.iter_mut().zip(of_source) {
+                *spread = spread.plus(part);
             }
         }
         Some(spreads)
     }
 }
+
+/// The same for one source; `None` where cells on an edge were too coarse to find the irradiance that is due.
+fn strata_of(
+    field: &Field,
+    counts: &[u64],
+    strata: &dyn Fn(u64) -> Vec<[f64; 4]>,
+    edge_level: u32,
+    due: f64,
+) -> Option<Vec<Spread>> {
+    let mut spreads = vec![Spread::default(); counts.len()];
+    // Powers of 4 are levels of one and the same division.
+    let level_of =
+        |n: u64| (n.is_power_of_two() && n.trailing_zeros().is_multiple_of(2)).then(|| n.trailing_zeros() / 2);
+    if let Some(finest) = counts.iter().filter_map(|n| level_of(*n)).max() {
+        let cells = Cells { field, contribution: Contribution::by_area, finest, edge_level };
+        let whole = cells.sums(Cell::WHOLE, 0, &mut |level, area, sums: &Sums| {
+            for (spread, n) in spreads.iter_mut().zip(counts) {
+                if level_of(*n) == Some(level) {
+                    *spread = spread.plus(of_stratum(sums, area, *n));
+                }
+            }
+        });
+        if !agrees(whole.0[0], due) {
+            return None;
+        }
+    }
+    for (spread, n) in spreads.iter_mut().zip(counts) {
+        if level_of(*n).is_some() {
+            continue;
+        }
+        let level = (*n as f64).log(4.0).floor() as u32;
+        let cells = Cells { field, contribution: Contribution::by_area, finest: level, edge_level };
+        let mut mean = 0.0;
+        for [u0, u1, v0, v1] in strata(*n) {
+            let cell = Cell { u: [u0, u1], v: [v0, v1] };
+            let sums = cells.sums(cell, level, &mut |_, _, _| {});
+            mean += sums.0[0];
+            *spread = spread.plus(of_stratum(&sums, cell.area(), *n));
+        }
+        if !agrees(mean, due) {
+            return None;
+        }
+    }
+    Some(spreads)
+}
+
+/// Whether a mean found on cells is the one that is due.
+fn agrees(found: f64, due: f64) -> bool {
+    (found - due).abs() <= 0.5 * RELATIVE_ERROR * due
+}
+
+/// Halvings of the unit square down to which cells on an edge are cut: the next where the mean that comes along is not yet
+/// the one that is known.
+const EDGE_LEVELS: [u32; 3] = [9, 11, 13];
 
 /// One stratum's part in the mean over N strata.
 fn of_stratum(sums: &Sums, area: f64, n: u64) -> Spread {
