@@ -47,6 +47,8 @@ pub use place::Place;
 pub use render::Ink;
 pub use select::{SelectError, Unmatched, select};
 pub use shipped::{Shipped, shipped};
+#[cfg(feature = "cli")]
+pub(crate) use spelling::nearest;
 pub use study::{Replicates, SmallestBias, Study};
 
 /// One case, valid by construction.

@@ -11,6 +11,7 @@ mod column;
 mod error;
 mod exact;
 mod folder;
+mod forecast;
 mod limits;
 mod manifest;
 #[cfg(feature = "plots")]
@@ -30,6 +31,7 @@ use crate::trial::RunOutcome;
 pub use error::ReportError;
 pub use exact::{ExactCase, write_exact};
 pub use folder::claim;
+pub use forecast::forecast_table;
 pub use limits::{LimitsCase, write_limits};
 pub use terminal::{TableOptions, table};
 

@@ -5,6 +5,7 @@
 //! its key, and their results are merged in the order of the list: one thread or many give the same bytes.
 
 mod correlation;
+mod forecast;
 mod judge;
 mod measure;
 mod outcome;
@@ -12,10 +13,12 @@ mod plan;
 mod predict;
 mod rates;
 mod reach;
+mod ready;
 mod run;
 mod settings;
 mod spread;
 
+pub use forecast::{Forecast, forecast};
 pub use outcome::{
     CaseOutcome, Cell, Correlation, JudgedProperty, Measured, Rate, RatePoint, RunOutcome, StrategyOutcome, Timing,
 };

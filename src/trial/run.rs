@@ -1,6 +1,5 @@
 //! Runs a study over cases: exact values, pilot, plan, measurement, judgement.
 
-use std::collections::BTreeMap;
 use std::time::Instant;
 
 use rand::RngExt;
@@ -8,19 +7,17 @@ use thiserror::Error;
 
 use super::correlation::correlations;
 use super::judge;
-use super::measure::{CellSums, Contrasts, Prepared, measure};
+use super::measure::{CellSums, Prepared, measure};
 use super::outcome::{CaseOutcome, Cell, Measured, RunOutcome, StrategyOutcome, Timing};
 use super::plan::{CellPlan, pilot_replicates};
-use super::predict::Predictions;
 use super::rates::rates;
-use super::reach::full;
+use super::ready::Ready;
 use super::settings::Settings;
 use super::spread;
 use crate::case::{Case, Study};
 use crate::configuration::{Configuration, MeasurementPoint};
 use crate::estimator::{Estimator, for_technique};
 use crate::geometry::{DVec3, Shape};
-use crate::oracle::{Oracle, Truth};
 use crate::sampling::{
     BLOCK, LANES, Lanes, Pattern, Purpose, Squares, Strategy, Stream, StreamKey, Surface, SurfaceBlock, Technique,
 };
@@ -88,49 +85,17 @@ fn run_case(
     progress: &(dyn Fn(Progress) + Sync),
 ) -> Result<CaseOutcome, TrialError> {
     let study = settings.study(&case.study);
-    let start = Instant::now();
-    let oracle = Oracle::new(&case.configuration);
-    let truths: Vec<Truth> = case.configuration.points().iter().map(|point| oracle.at(point)).collect();
-    let mut timings = vec![Timing {
-        stage: "exact",
-        rays: truths.len() as u64,
-        seconds: start.elapsed().as_secs_f64(),
-        efficiency: None,
-    }];
-    let exact: Vec<f64> = truths.iter().map(|truth| truth.irradiance.watts_per_square_metre()).collect();
-    let contrasts = Contrasts::new(&exact);
-    let full = full(&case.configuration, &oracle, &truths);
-    let start = Instant::now();
-    let pairs = super::correlation::pairs(&case.configuration);
-    let predictions = Predictions::new(&oracle, &case.configuration, &study, &contrasts.weights, &pairs);
-    timings.push(Timing {
-        stage: "predict",
-        rays: truths.len() as u64,
-        seconds: start.elapsed().as_secs_f64(),
-        efficiency: None,
-    });
-    let mut estimators: BTreeMap<Technique, Box<dyn Estimator>> = BTreeMap::new();
-    for strategy in &study.strategies {
-        estimators.entry(strategy.technique()).or_insert_with_key(|technique| make(&case.configuration, *technique));
-    }
+    let ready = Ready::new(case, &study, make);
     let strategies = study
         .strategies
         .iter()
         .map(|strategy| {
-            let prepared = Prepared {
-                case,
-                seed: settings.seed,
-                truths: &truths,
-                exact: &exact,
-                full: &full,
-                estimator: &*estimators[&strategy.technique()],
-                contrasts: &contrasts,
-                predictions: &predictions,
-            };
+            let prepared = ready.prepared(settings.seed, *strategy);
             let reproduce = settings.command(&[&case.selector], Some(*strategy));
             run_strategy(&prepared, &study, *strategy, reproduce, progress)
         })
         .collect();
+    let Ready { truths, mut timings, .. } = ready;
     timings.extend(compare_hierarchies(case, settings.seed)?);
     Ok(CaseOutcome {
         name: case.name.clone(),
@@ -145,6 +110,44 @@ fn run_case(
     })
 }
 
+/// Shadow rays of a cell.
+pub(super) fn rays_of(prepared: &Prepared, samples: u64, replicates: u64) -> u64 {
+    prepared.estimator.rays_per_estimate(samples) * prepared.exact.len() as u64 * replicates
+}
+
+/// The plans of all cells, and what pilots cost.
+pub(super) struct Plans {
+    pub cells: Vec<CellPlan>,
+    pub pilot_rays: u64,
+    pub pilot_seconds: f64,
+}
+
+/// Plans every cell, by prediction where there is one and by a pilot elsewhere.
+pub(super) fn plans(
+    prepared: &Prepared,
+    study: &Study,
+    strategy: Strategy,
+    progress: &(dyn Fn(Progress) + Sync),
+) -> Plans {
+    let traced = |rays: u64| progress(Progress::Traced(rays));
+    let mut plans = Plans { cells: Vec::new(), pilot_rays: 0, pilot_seconds: 0.0 };
+    for (index, samples) in study.samples.iter().enumerate() {
+        let prediction = prepared.predictions.cell(strategy, study, index, &prepared.contrasts.weights);
+        if prediction.is_complete() {
+            plans.cells.push(CellPlan::new(prepared, study, *samples, prediction, None));
+            continue;
+        }
+        let replicates = pilot_replicates(*samples);
+        let rays = rays_of(prepared, *samples, replicates);
+        progress(Progress::Planned(rays));
+        let pilot = measure(prepared, Purpose::Pilot, strategy, *samples, replicates, &traced);
+        plans.pilot_rays += rays;
+        plans.pilot_seconds += pilot.seconds;
+        plans.cells.push(CellPlan::new(prepared, study, *samples, prediction, Some(&pilot)));
+    }
+    plans
+}
+
 fn run_strategy(
     prepared: &Prepared,
     study: &Study,
@@ -153,35 +156,15 @@ fn run_strategy(
     progress: &(dyn Fn(Progress) + Sync),
 ) -> StrategyOutcome {
     let traced = |rays: u64| progress(Progress::Traced(rays));
-    let rays_of = |samples: u64, replicates: u64| {
-        prepared.estimator.rays_per_estimate(samples) * prepared.exact.len() as u64 * replicates
-    };
-    let (mut pilot_rays, mut pilot_seconds) = (0, 0.0);
-    let plans: Vec<CellPlan> = study
-        .samples
-        .iter()
-        .enumerate()
-        .map(|(index, samples)| {
-            let prediction = prepared.predictions.cell(strategy, study, index, &prepared.contrasts.weights);
-            if prediction.is_complete() {
-                return CellPlan::new(prepared, study, *samples, prediction, None);
-            }
-            let replicates = pilot_replicates(*samples);
-            progress(Progress::Planned(rays_of(*samples, replicates)));
-            let pilot = measure(prepared, Purpose::Pilot, strategy, *samples, replicates, &traced);
-            pilot_rays += rays_of(*samples, replicates);
-            pilot_seconds += pilot.seconds;
-            CellPlan::new(prepared, study, *samples, prediction, Some(&pilot))
-        })
-        .collect();
+    let Plans { cells: plans, pilot_rays, pilot_seconds } = plans(prepared, study, strategy, progress);
     for plan in &plans {
-        progress(Progress::Planned(rays_of(plan.samples, plan.replicates)));
+        progress(Progress::Planned(rays_of(prepared, plan.samples, plan.replicates)));
     }
     let cells: Vec<CellSums> = plans
         .iter()
         .map(|plan| measure(prepared, Purpose::Measurement, strategy, plan.samples, plan.replicates, &traced))
         .collect();
-    let rays = plans.iter().map(|plan| rays_of(plan.samples, plan.replicates)).sum();
+    let rays = plans.iter().map(|plan| rays_of(prepared, plan.samples, plan.replicates)).sum();
     let pilot = Timing { stage: "pilot", rays: pilot_rays, seconds: pilot_seconds, efficiency: None };
     let timings = (pilot_rays > 0)
         .then_some(pilot)

@@ -6,7 +6,7 @@ use super::super::exact::{BodyAt, Oracle};
 use super::super::form::Form;
 use super::super::front::{Blocking, Front};
 use super::super::piece::Piece;
-use super::chart::Chart;
+use super::chart::{Chart, Place};
 use crate::configuration::MeasurementPoint;
 
 /// A place on a source as a receiver sees it.
@@ -96,7 +96,16 @@ impl<'a> Field<'a> {
 
     /// The unit direction to a place, and the place.
     pub fn at(&self, u: f64, v: f64) -> (DVec3, Landing) {
-        let place = self.chart.place(u, v);
+        self.of(&self.place(u, v))
+    }
+
+    /// The place that is drawn, the same for all receivers.
+    pub fn place(&self, u: f64, v: f64) -> Place {
+        self.chart.place(u, v)
+    }
+
+    /// The unit direction to a place, and the place as it is seen.
+    pub fn of(&self, place: &Place) -> (DVec3, Landing) {
         let way = place.position - self.eye;
         let distance_squared = way.length_squared();
         let direction = way / distance_squared.sqrt();

@@ -99,10 +99,10 @@ impl Oracle {
         contribution: impl Fn(&Landing) -> Contribution,
     ) -> Option<SampleMoments> {
         let field = Field::new(self, source, point)?;
-        if field.is_dark() {
+        let due = self.due(source, point);
+        if field.is_dark() || due == 0.0 {
             return Some(SampleMoments { raw: [0.0; 4] });
         }
-        let due = self.due(source, point);
         EDGE_LEVELS.into_iter().find_map(|edge_level| {
             // The mean by area comes along, as a check: it is known.
             let by_area = Cells { field: &field, contribution: Contribution::by_area, finest: 0, edge_level };
@@ -122,10 +122,10 @@ impl Oracle {
     /// Moments of what one sample by area on a source brings to a point.
     pub fn area_moments(&self, source: usize, point: &MeasurementPoint) -> Option<SampleMoments> {
         let field = Field::new(self, source, point)?;
-        if field.is_dark() {
+        let due = self.due(source, point);
+        if field.is_dark() || due == 0.0 {
             return Some(SampleMoments { raw: [0.0; 4] });
         }
-        let due = self.due(source, point);
         EDGE_LEVELS.into_iter().find_map(|edge_level| {
             let cells = Cells { field: &field, contribution: Contribution::by_area, finest: 0, edge_level };
             let raw = cells.sums(Cell::WHOLE, 0, &mut |_, _, _| {}).0;
@@ -147,10 +147,10 @@ impl Oracle {
         let mut spreads = vec![Spread::default(); counts.len()];
         for source in 0..self.sources.len() {
             let field = Field::new(self, source, point)?;
-            if field.is_dark() {
+            let due = self.due(source, point);
+            if field.is_dark() || due == 0.0 {
                 continue;
             }
-            let due = self.due(source, point);
             let of_source =
                 EDGE_LEVELS.into_iter().find_map(|level| strata_of(&field, counts, strata, level, due))?;
             for (spread, part) in spreads.iter_mut().zip(of_source) {
