@@ -49,7 +49,7 @@ pub use select::{SelectError, Unmatched, select};
 pub use shipped::{Shipped, shipped};
 #[cfg(feature = "cli")]
 pub(crate) use spelling::nearest;
-pub use study::{Replicates, SmallestBias, Study};
+pub use study::{Accepted, PROPERTIES, Replicates, SmallestBias, Study};
 
 /// One case, valid by construction.
 #[derive(Clone, Debug, PartialEq)]

@@ -175,6 +175,7 @@ fn strategy_outcome(
             smallest_bias_mean: Some([0.0042, 0.0093, 0.0011][strategy as usize]),
             smallest_bias_point: Some(0.081),
             words: "no bias above 0.42 % in the mean, 8.1 % at the worst point".to_owned(),
+            note: None,
             reproduce: format!("etendue run penumbra/eclipse --strategy {strategy} --seed 1"),
         }],
         timings: vec![Timing { stage: "estimate", rays: 88_725_000, seconds: 1.25, efficiency: Some(3.1e7) }],

@@ -89,6 +89,7 @@ pub(super) fn bias(
         smallest_bias_mean: mean,
         smallest_bias_point: point,
         words,
+        note: None,
         reproduce,
     }
 }

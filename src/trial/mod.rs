@@ -4,6 +4,7 @@
 //! replicates; the measurement is judged against the exact side. A run is a list of work units, each a pure function of
 //! its key, and their results are merged in the order of the list: one thread or many give the same bytes.
 
+mod accept;
 mod correlation;
 mod forecast;
 mod judge;

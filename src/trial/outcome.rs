@@ -144,6 +144,8 @@ pub struct JudgedProperty {
     pub smallest_bias_point: Option<f64>,
     /// One sentence that a reader cannot misread.
     pub words: String,
+    /// What a reader should know of a pass: that it leans on an accepted deviation, or that one is no longer needed.
+    pub note: Option<String>,
     /// The command line that gives the same verdict.
     pub reproduce: String,
 }

@@ -5,6 +5,7 @@ use std::time::Instant;
 use rand::RngExt;
 use thiserror::Error;
 
+use super::accept::accept;
 use super::correlation::correlations;
 use super::judge;
 use super::measure::{CellSums, Prepared, measure};
@@ -179,6 +180,7 @@ fn run_strategy(
     let mut verdicts = vec![judge::bias(prepared, study, strategy, &cells, &plans, reproduce.clone())];
     verdicts.extend(spread::variance(prepared, study, strategy, &cells, &plans, &reproduce));
     verdicts.extend(spread::covariance(prepared, study, strategy, &cells, &plans, &reproduce));
+    accept(&mut verdicts, strategy, &study.accepted);
     StrategyOutcome {
         strategy,
         rates: rates(prepared, strategy, &cells, &plans),

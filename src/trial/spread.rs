@@ -200,6 +200,7 @@ impl Judge<'_> {
             smallest_bias_mean: Some(together),
             smallest_bias_point: worst,
             words,
+            note: None,
             reproduce: self.reproduce.to_owned(),
         })
     }
