@@ -4,7 +4,7 @@ use super::measure::{BATCHES, CellSums, Prepared};
 use super::outcome::{Rate, RatePoint};
 use crate::configuration::Source;
 use crate::oracle::Region;
-use crate::sampling::{Strategy, Surface};
+use crate::sampling::{PointSet, Strategy, Surface};
 use crate::statistics::slope::{Line, Noise};
 
 const LEVEL: f64 = 0.95;
@@ -70,15 +70,26 @@ fn rate(
     })
 }
 
-/// The slope that theory gives for large N: −1 for independent points; for one jittered point per stratum −2 where the
-/// integrand is smooth over the unit square and −3/2 where it jumps along a line (Mitchell, SIGGRAPH 1996): where a shadow's
-/// edge cuts the source, or where the square is torn to cover it.
+/// The slope that theory gives for large N, by what the integrand is over the unit square:
+///
+/// | point set | smooth | jumps along a line | source |
+/// |---|---|---|---|
+/// | independent, Latin hypercube | −1 | −1 | Stein 1987: only what is a sum over u and v falls faster |
+/// | uniform jitter | −1 | −1 | the whole grid errs with its shift: by the slope's mean, or by a row along an edge |
+/// | stratified, multi-jittered | −2 | −3/2 | Mitchell, SIGGRAPH 1996 |
+/// | Sobol', Owen-scrambled | −3 (but a logarithm) | −3/2 | Owen, Ann. Statist. 25, 1997; He & Wang, Math. Comp. 84, 2015 |
+///
+/// It jumps where a shadow's edge cuts the source, or where the square is torn to cover it.
 fn asymptote(prepared: &Prepared, strategy: Strategy, points: &[usize]) -> f64 {
-    match strategy {
-        Strategy::Random | Strategy::Correlated => -1.0,
-        Strategy::Stratified if points.iter().any(|p| prepared.truths[*p].shadow_edge) => -1.5,
-        Strategy::Stratified if prepared.case.configuration.sources().iter().any(tears) => -1.5,
-        Strategy::Stratified => -2.0,
+    let jumps = || {
+        points.iter().any(|p| prepared.truths[*p].shadow_edge)
+            || prepared.case.configuration.sources().iter().any(tears)
+    };
+    match strategy.point_set() {
+        PointSet::Independent | PointSet::LatinHypercube | PointSet::UniformJitter => -1.0,
+        _ if jumps() => -1.5,
+        PointSet::Stratified | PointSet::MultiJittered => -2.0,
+        PointSet::Sobol => -3.0,
     }
 }
 

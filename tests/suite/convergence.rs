@@ -212,6 +212,7 @@ fn slopes_are_those_of_theory(outcome: &CaseOutcome, strategy: &StrategyOutcome)
                     }
                 }
             }
+            other => panic!("{other} is none of the three"),
         }
     }
 }
