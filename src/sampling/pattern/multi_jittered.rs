@@ -77,6 +77,7 @@ fn layout(n: u64) -> Rows {
 
 #[cfg(test)]
 mod tests {
+    use super::super::{LANES, Pattern, Strategy, StreamKey};
     use super::*;
 
     #[test]
@@ -85,5 +86,60 @@ mod tests {
         assert_eq!([1, 2, 4, 8, 16, 32, 128, 512, 1024, 12, 1000].map(rows), [1, 1, 2, 2, 4, 4, 8, 16, 32, 3, 25]);
         // 3 and 37 have no such divisor, 10 = 2 · 5 none that is near enough to a square.
         assert_eq!([3, 10, 37].map(rows), [2, 3, 6]);
+    }
+
+    /// Mean of a smooth function over the points of Kensler's listing, with ideal permutations.
+    fn correlated_mean(side: usize, lanes: &mut Lanes, f: impl Fn(f64, f64) -> f64) -> f64 {
+        let mut shuffled = || {
+            let mut places: Vec<usize> = (0..side).collect();
+            for k in (1..side).rev() {
+                places.swap(k, (lanes.next_units()[0] * (k + 1) as f64) as usize);
+            }
+            places
+        };
+        let (across, up) = (shuffled(), shuffled());
+        let (m, n) = (side as f64, (side * side) as f64);
+        let mut sum = 0.0;
+        for i in 0..side {
+            for j in 0..side {
+                let [a, b] = [lanes.next_units()[0], lanes.next_units()[0]];
+                let u = (i as f64 + (across[j] as f64 + a) / m) / m;
+                let v = (j as f64 + (up[i] as f64 + b) / m) / m;
+                sum += f(u, v);
+            }
+        }
+        sum / n
+    }
+
+    fn plain_mean(side: usize, lanes: &mut Lanes, f: impl Fn(f64, f64) -> f64) -> f64 {
+        let n = (side * side) as u64;
+        let key = StreamKey::root(lanes.next_words()[0]);
+        let mut pattern = Pattern::new(Strategy::MultiJittered, n, Lanes::new(key, LANES));
+        let mut squares = Squares::default();
+        let mut sum = 0.0;
+        for start in (0..n).step_by(BLOCK) {
+            let len = BLOCK.min((n - start) as usize);
+            pattern.fill(&mut squares, len);
+            let pairs = squares.u.as_flattened().iter().zip(squares.v.as_flattened());
+            sum += pairs.take(len).map(|(u, v)| f(*u, *v)).sum::<f64>();
+        }
+        sum / n as f64
+    }
+
+    /// (u − ½)(v − ½) is all that neither rows nor columns take away.
+    #[test]
+    fn rows_of_their_own_keep_the_rate_that_rows_alike_lose() {
+        let mut lanes = Lanes::new(StreamKey::root(17), 1);
+        let mut slope = |mean: &dyn Fn(usize, &mut Lanes) -> f64| {
+            let [few, many] =
+                [8, 32].map(|side| (0..2000).map(|_| mean(side, &mut lanes).powi(2)).sum::<f64>() / 2000.0);
+            (many / few).ln() / 16_f64.ln()
+        };
+        let f = |u: f64, v: f64| (u - 0.5) * (v - 0.5);
+        let plain = slope(&|side, lanes| plain_mean(side, lanes, f));
+        let alike = slope(&|side, lanes| correlated_mean(side, lanes, f));
+        println!("{plain:.3} {alike:.3}");
+        // Standard error of each: √2 √(2/2000) / ln 16 = 0.016.
+        assert!((plain + 2.0).abs() < 0.1 && (alike + 1.5).abs() < 0.1, "{plain} {alike}");
     }
 }

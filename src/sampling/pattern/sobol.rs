@@ -115,6 +115,7 @@ impl Scramble {
 mod tests {
     use super::super::StreamKey;
     use super::*;
+    use crate::statistics::occupancy::Occupancy;
 
     /// Direction numbers of the second dimension by Sobol's recurrence for the polynomial x + 1: vₖ₊₁ = vₖ ⊕ vₖ/2.
     #[test]
@@ -146,5 +147,25 @@ mod tests {
                 assert_eq!((own ^ other) >> (digits - 1 - level), 1, "{plain} at level {level}");
             }
         }
+    }
+
+    /// Seven coins of both dimensions, above and below the border between two words: all 2⁷ outcomes alike.
+    #[test]
+    fn coins_are_fair_and_independent() {
+        let mut seen = Occupancy::new(1 << 7);
+        for replicate in 0..20_000 {
+            let mut lanes = Lanes::new(StreamKey::root(21).with(replicate), 1);
+            let scrambles = [Scramble::draw(&mut lanes), Scramble::draw(&mut lanes)];
+            // The coin that a level flips, below the digits `above`.
+            let coin = |axis: usize, level: u32, above: u64| {
+                let mut row = [0.0; LANES];
+                scrambles[axis].apply([above; LANES], level + 1, &mut row);
+                (row[0] * 2_f64.powi(level as i32 + 1)) as usize & 1
+            };
+            let tossed = [(0, 0, 0), (0, 5, 3), (0, 6, 0), (0, 6, 1), (0, 6, 63), (1, 0, 0), (1, 6, 0)];
+            let number = tossed.iter().fold(0, |bits, (axis, level, above)| bits << 1 | coin(*axis, *level, *above));
+            seen.record(number);
+        }
+        assert!(!seen.is_refuted(), "{}", seen.ln_capital());
     }
 }
