@@ -14,7 +14,7 @@ pub use lanes::{LANES, Lanes, Stream};
 pub use pattern::{Pattern, Squares, fill_side_by_side};
 pub use seed::{Purpose, StreamKey};
 pub use strategy::{PointSet, Strategy, Technique};
-pub use warp::{Surface, SurfaceBlock};
+pub use warp::{Seams, Surface, SurfaceBlock};
 
 /// Samples worked on together: small enough for the first-level cache, large enough to hide the dispatch.
 pub const BLOCK: usize = 128;

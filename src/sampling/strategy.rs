@@ -16,6 +16,27 @@ pub enum PointSet {
     Independent,
     /// One in each of N strata of equal area.
     Stratified,
+    /// One in each of N strata of equal area, at the same place in all of them.
+    UniformJitter,
+    /// N rooks: one in each of N columns, one in each of N rows.
+    LatinHypercube,
+    /// One in each of N strata that are also N rooks.
+    MultiJittered,
+    /// The first N points of Sobol's (0,2)-sequence, scrambled after Owen.
+    Sobol,
+}
+
+impl PointSet {
+    /// Whether the order of the points is drawn too, so that point k of one source falls into each stratum of that source
+    /// equally often, and pairs with point k of another source are pairs of anything with anything. Where it is not, point
+    /// k lies in stratum k of every source: of no consequence to a sum over sources, whose points are never paired, but
+    /// not to be used for the dimensions of a path.
+    pub fn draws_its_order(self) -> bool {
+        match self {
+            PointSet::Independent | PointSet::LatinHypercube | PointSet::MultiJittered | PointSet::Sobol => true,
+            PointSet::Stratified | PointSet::UniformJitter => false,
+        }
+    }
 }
 
 /// A point pattern, and whether its points are fresh for each shading point or shared by all.
@@ -27,11 +48,28 @@ pub enum Strategy {
     Correlated,
     /// One uniform point in each of N strata of equal area, fresh for each shading point.
     Stratified,
+    /// One point in each of N strata of equal area, at one random place that is the same in all of them; fresh for each
+    /// shading point.
+    UniformJitter,
+    /// N rooks, in random order, fresh for each shading point (McKay, Beckman & Conover 1979).
+    LatinHypercube,
+    /// N strata that are N rooks too, fresh for each shading point (Chiu, Shirley & Wang 1994).
+    MultiJittered,
+    /// Sobol's (0,2)-sequence with nested uniform scrambling, fresh for each shading point (Owen 1995).
+    Sobol,
 }
 
 impl Strategy {
     /// All of them, in the order of reports.
-    pub const ALL: [Strategy; 3] = [Strategy::Random, Strategy::Correlated, Strategy::Stratified];
+    pub const ALL: [Strategy; 7] = [
+        Strategy::Random,
+        Strategy::Correlated,
+        Strategy::Stratified,
+        Strategy::UniformJitter,
+        Strategy::LatinHypercube,
+        Strategy::MultiJittered,
+        Strategy::Sobol,
+    ];
     /// The three at the heart of the study: what a case measures that names none.
     pub const LECTURE: [Strategy; 3] = [Strategy::Random, Strategy::Correlated, Strategy::Stratified];
 
@@ -41,6 +79,10 @@ impl Strategy {
             Strategy::Random => "random",
             Strategy::Correlated => "correlated",
             Strategy::Stratified => "stratified",
+            Strategy::UniformJitter => "uniform-jitter",
+            Strategy::LatinHypercube => "latin-hypercube",
+            Strategy::MultiJittered => "multi-jittered",
+            Strategy::Sobol => "sobol",
         }
     }
 
@@ -52,13 +94,25 @@ impl Strategy {
             Strategy::Stratified => {
                 "one jittered point in each of N strata of equal area, fresh for each shading point"
             }
+            Strategy::UniformJitter => "a point in each of N strata, all jittered alike: the grid shifted as a whole",
+            Strategy::LatinHypercube => {
+                "N rooks: one jittered point in each of N columns and N rows, in random order"
+            }
+            Strategy::MultiJittered => "one point in each of N strata, and in each of N columns and N rows",
+            Strategy::Sobol => "Sobol's (0,2)-sequence, scrambled after Owen for each shading point",
         }
     }
 
     /// What the points are points of: where directions or places are drawn from, and with which density.
     pub fn technique(self) -> Technique {
         match self {
-            Strategy::Random | Strategy::Correlated | Strategy::Stratified => Technique::Area,
+            Strategy::Random
+            | Strategy::Correlated
+            | Strategy::Stratified
+            | Strategy::UniformJitter
+            | Strategy::LatinHypercube
+            | Strategy::MultiJittered
+            | Strategy::Sobol => Technique::Area,
         }
     }
 
@@ -67,6 +121,10 @@ impl Strategy {
         match self {
             Strategy::Random | Strategy::Correlated => PointSet::Independent,
             Strategy::Stratified => PointSet::Stratified,
+            Strategy::UniformJitter => PointSet::UniformJitter,
+            Strategy::LatinHypercube => PointSet::LatinHypercube,
+            Strategy::MultiJittered => PointSet::MultiJittered,
+            Strategy::Sobol => PointSet::Sobol,
         }
     }
 
@@ -81,6 +139,10 @@ impl Strategy {
             Strategy::Random => 1,
             Strategy::Correlated => 2,
             Strategy::Stratified => 3,
+            Strategy::Sobol => 4,
+            Strategy::UniformJitter => 5,
+            Strategy::LatinHypercube => 6,
+            Strategy::MultiJittered => 7,
         }
     }
 

@@ -5,6 +5,8 @@ pub mod correlation;
 pub mod evidence;
 pub mod interval;
 pub mod moments;
+pub mod occupancy;
+pub mod pairs;
 #[cfg(test)]
 mod simulated;
 pub mod slope;

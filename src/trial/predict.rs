@@ -109,6 +109,7 @@ impl Predictions {
             (Technique::Area, PointSet::Stratified) => {
                 self.strata.iter().map(|spreads| Some(Tolerated::new(spreads.as_ref()?[index]))).collect()
             }
+            _ => vec![None; self.area.len()],
         };
         let contrasts = if strategy.shares_points() {
             self.shared.as_ref().map(|shared| {

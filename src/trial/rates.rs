@@ -3,9 +3,8 @@
 use super::measure::{BATCHES, CellSums, Prepared};
 use super::outcome::{Rate, RatePoint};
 use super::plan::CellPlan;
-use crate::configuration::Source;
 use crate::oracle::Region;
-use crate::sampling::{Strategy, Surface};
+use crate::sampling::{PointSet, Seams, Strategy, Surface};
 use crate::statistics::Verdict;
 use crate::statistics::evidence::ALPHA;
 use crate::statistics::slope::{Line, Noise};
@@ -95,20 +94,32 @@ fn rate(
     })
 }
 
-/// The slope that theory gives for large N: −1 for independent points; for one jittered point per stratum −2 where the
-/// integrand is smooth over the unit square and −3/2 where it jumps along a line (Mitchell, SIGGRAPH 1996): where a shadow's
-/// edge cuts the source, or where the square is torn to cover it.
+/// The slope that theory gives for large N, by what the integrand is over the unit square:
+///
+/// | point set | smooth | creased | torn | jumps along a line | source |
+/// |---|---|---|---|---|---|
+/// | independent, Latin hypercube | −1 | −1 | −1 | −1 | Stein 1987: only a sum of functions of u and of v falls faster |
+/// | uniform jitter | −1 | −1 | −1 | −1 | the whole grid errs with its shift: by the mean slope, or by a row along an edge |
+/// | stratified, multi-jittered | −2 | −2 | −2 | −3/2 | Mitchell, SIGGRAPH 1996 |
+/// | Sobol', Owen-scrambled | −3 | −5/2 | −2 | −3/2 | Owen, Ann. Statist. 25, 1997, but a logarithm; He & Wang, Math. Comp. 84, 2015 |
+///
+/// Creased and torn: [`Seams`] of the map from the square to a source, of N = 4ᵏ ≤ 1024 strata that are then compact parts of
+/// it. (Creases along diagonals, crossed by 2ᵃ of the 4ᵃ boxes of side 2⁻ᵃ, have mixed differences of 2⁻ᵃ there: a variance of
+/// 2ᵃ 4⁻ᵃ 4⁻ᵃ / N, with N = 4ᵃ.) It jumps along a line where a shadow's edge cuts the source.
 fn asymptote(prepared: &Prepared, strategy: Strategy, points: &[usize]) -> f64 {
-    match strategy {
-        Strategy::Random | Strategy::Correlated => -1.0,
-        Strategy::Stratified if points.iter().any(|p| prepared.truths[*p].shadow_edge) => -1.5,
-        Strategy::Stratified if prepared.case.configuration.sources().iter().any(tears) => -1.5,
-        Strategy::Stratified => -2.0,
+    let cut = points.iter().any(|p| prepared.truths[*p].shadow_edge);
+    let sources = prepared.case.configuration.sources().iter();
+    let seams = sources.filter_map(|source| Surface::new(source.shape())).map(|surface| surface.seams()).max();
+    match strategy.point_set() {
+        PointSet::Independent | PointSet::LatinHypercube | PointSet::UniformJitter => -1.0,
+        PointSet::Stratified | PointSet::MultiJittered | PointSet::Sobol if cut => -1.5,
+        PointSet::Stratified | PointSet::MultiJittered => -2.0,
+        PointSet::Sobol => match seams {
+            None | Some(Seams::None) => -3.0,
+            Some(Seams::Creased) => -2.5,
+            Some(Seams::Torn) => -2.0,
+        },
     }
-}
-
-fn tears(source: &Source) -> bool {
-    Surface::new(source.shape()).is_some_and(|surface| surface.is_torn())
 }
 
 /// Batches must exist for the smallest plan.

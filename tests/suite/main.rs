@@ -18,6 +18,7 @@ mod published;
 mod radiometry;
 #[cfg(all(feature = "cli", feature = "plots"))]
 mod reference;
+mod samplers;
 mod shipped_cases;
 mod walls;
 mod witness;

@@ -4,7 +4,9 @@
 use std::f64::consts::FRAC_PI_4;
 
 use glam::DVec3;
+use smallvec::SmallVec;
 
+use crate::geometry::partition::{Axes, Partition};
 use crate::geometry::{Frame, Polygon, Shape};
 
 /// A place on a source.
@@ -26,7 +28,7 @@ pub(in crate::oracle) enum Chart {
     /// m = min(u, v)/2.
     Triangle { corners: [DVec3; 3], normal: DVec3 },
     /// u sweeps the area at right angles to the longest edge, v runs along the chord.
-    Polygon(Sweep),
+    Polygon(Box<Layout>),
     /// Octahedral, each octant a quarter of a concentric disk lifted with equal areas (Clarberg 2008).
     Sphere { center: DVec3, radius: f64 },
 }
@@ -43,7 +45,7 @@ impl Chart {
             }
             Shape::Polygon(s) => match s.vertices() {
                 &[a, b, c] => Chart::Triangle { corners: [a, b, c], normal: s.normal() },
-                _ => Chart::Polygon(Sweep::new(s)),
+                _ => Chart::Polygon(Box::new(Layout::new(s))),
             },
             Shape::Sphere(s) => Chart::Sphere { center: s.center(), radius: s.radius() },
             Shape::Mesh(_) => return None,
@@ -58,7 +60,7 @@ impl Chart {
             Chart::Rectangle { .. } => false,
             Chart::Triangle { .. } => meet([u0, u1], [v0, v1]),
             Chart::Disk { .. } => meet([u0, u1], [v0, v1]) || meet([u0, u1], [1.0 - v1, 1.0 - v0]),
-            Chart::Polygon(sweep) => sweep.before.iter().any(|share| meet([u0, u1], [*share, *share])),
+            Chart::Polygon(layout) => layout.is_creased([u0, u1], [v0, v1]),
             Chart::Sphere { .. } => {
                 let size = |x: [f64; 2]| {
                     let [a, b] = x.map(|x| (2.0 * x - 1.0).abs());
@@ -85,7 +87,7 @@ impl Chart {
                 let low = 0.5 * u.min(v);
                 Place { position: *a + (*b - *a) * (u - low) + (*c - *a) * (v - low), normal: *normal }
             }
-            Chart::Polygon(sweep) => Place { position: sweep.position(u, v), normal: sweep.normal },
+            Chart::Polygon(layout) => Place { position: layout.position(u, v), normal: layout.normal },
             Chart::Sphere { center, radius } => {
                 let normal = octahedral(2.0 * u - 1.0, 2.0 * v - 1.0);
                 Place { position: *center + normal * *radius, normal }
@@ -115,15 +117,62 @@ fn octahedral(a: f64, b: f64) -> DVec3 {
     DVec3::new((ring * cos).copysign(a), (ring * sin).copysign(b), (1.0 - r * r).copysign(height))
 }
 
-/// A polygon run through by area.
+/// A polygon laid out over the unit square: by its chords, or where these jump (at re-entrant corners) cell by cell of a
+/// partition, each by its own chords.
 #[derive(Clone, Debug)]
-pub(in crate::oracle) struct Sweep {
-    origin: DVec3,
-    across: DVec3,
-    along: DVec3,
+pub(in crate::oracle) struct Layout {
+    axes: Axes,
     normal: DVec3,
-    /// Corners in the plane: (across, along).
-    corners: Vec<[f64; 2]>,
+    /// Cells along each side.
+    side: usize,
+    /// `[u][v]`.
+    sweeps: Vec<Sweep>,
+}
+
+/// Halvings of either side of the square, where there are cells.
+const CELL_LEVELS: u32 = 5;
+
+impl Layout {
+    fn new(polygon: &Polygon) -> Layout {
+        let axes = Axes::of(polygon);
+        let (normal, whole) = (polygon.normal(), Sweep::new(vec![axes.flatten(polygon)]));
+        if !whole.is_torn() {
+            return Layout { axes, normal, side: 1, sweeps: vec![whole] };
+        }
+        let partition = Partition::new(polygon, CELL_LEVELS);
+        let side = partition.side();
+        let sweep = |k: usize| Sweep::new(partition.cell(k / side, k % side).to_vec());
+        Layout { axes: *partition.axes(), normal, side, sweeps: (0..side * side).map(sweep).collect() }
+    }
+
+    /// The cell of a place in the square, and the place in the cell's own.
+    fn cell(&self, u: f64, v: f64) -> (&Sweep, [f64; 2]) {
+        let scaled = [u, v].map(|x| x * self.side as f64);
+        let [i, j] = scaled.map(|x| (x as usize).min(self.side - 1));
+        (&self.sweeps[i * self.side + j], [scaled[0] - i as f64, scaled[1] - j as f64])
+    }
+
+    fn position(&self, u: f64, v: f64) -> DVec3 {
+        let (sweep, [u, v]) = self.cell(u, v);
+        self.axes.place(sweep.position(u, v))
+    }
+
+    fn is_creased(&self, u: [f64; 2], v: [f64; 2]) -> bool {
+        let side = self.side as f64;
+        let one_cell = |x: [f64; 2]| (x[1] * side).ceil() - (x[0] * side).floor() <= 1.0;
+        if !(one_cell(u) && one_cell(v)) {
+            return true;
+        }
+        let (sweep, [from, _]) = self.cell(0.5 * (u[0] + u[1]), 0.5 * (v[0] + v[1]));
+        let half = 0.5 * (u[1] - u[0]) * side;
+        sweep.before.iter().any(|share| (from - half..from + half).contains(share) && *share > from - half)
+    }
+}
+
+/// A figure run through by area. Outlines are disjoint and counter-clockwise; coordinates are (across, along).
+#[derive(Clone, Debug)]
+struct Sweep {
+    outlines: Vec<Vec<[f64; 2]>>,
     /// Where corners lie, ascending; and the share of the area before each.
     stops: Vec<f64>,
     before: Vec<f64>,
@@ -131,28 +180,12 @@ pub(in crate::oracle) struct Sweep {
 }
 
 impl Sweep {
-    fn new(polygon: &Polygon) -> Sweep {
-        let vertices = polygon.vertices();
-        let n = vertices.len();
-        let edge = |i: usize| vertices[(i + 1) % n] - vertices[i];
-        // Of several longest edges the last.
-        let mut longest = edge(0);
-        for i in 1..n {
-            if edge(i).length_squared() >= longest.length_squared() {
-                longest = edge(i);
-            }
-        }
-        let along = longest.normalize();
-        let across = along.cross(polygon.normal());
-        let origin = vertices[0];
-        let corners: Vec<[f64; 2]> =
-            vertices.iter().map(|p| [(*p - origin).dot(across), (*p - origin).dot(along)]).collect();
-        let mut stops: Vec<f64> = corners.iter().map(|c| c[0]).collect();
+    fn new(outlines: Vec<Vec<[f64; 2]>>) -> Sweep {
+        let mut stops: Vec<f64> = outlines.iter().flatten().map(|corner| corner[0]).collect();
         stops.sort_by(f64::total_cmp);
-        let size = stops[n - 1] - stops[0];
+        let size = stops[stops.len() - 1] - stops[0];
         stops.dedup_by(|b, a| *b - *a <= 1e-13 * size);
-        let mut sweep =
-            Sweep { origin, across, along, normal: polygon.normal(), corners, stops, before: vec![0.0], area: 0.0 };
+        let mut sweep = Sweep { outlines, stops, before: vec![0.0], area: 0.0 };
         for k in 1..sweep.stops.len() {
             let (from, to) = (sweep.stops[k - 1], sweep.stops[k]);
             // A trapezium for each piece: the chord in the middle is the mean one.
@@ -164,20 +197,30 @@ impl Sweep {
         sweep
     }
 
+    /// Whether the chord splits or jumps.
+    fn is_torn(&self) -> bool {
+        let slabs: Vec<[f64; 2]> = self.stops.windows(2).map(|pair| [pair[0], pair[1]]).collect();
+        let chord = |[from, to]: [f64; 2], s: f64| -> Vec<[f64; 2]> { self.chord(s, from, to).collect() };
+        let split = slabs.iter().any(|slab| chord(*slab, slab[0]).len() > 1);
+        let parted = |pair: &[[f64; 2]]| {
+            let (end, start) = (chord(pair[0], pair[0][1]), chord(pair[1], pair[1][0]));
+            end.iter().flatten().zip(start.iter().flatten()).any(|(a, b)| (a - b).abs() > 1e-9 * self.area.sqrt())
+        };
+        split || slabs.windows(2).any(parted)
+    }
+
     /// The chord at `s` within the slab from `from` to `to`: [low, high] of each piece, upwards.
     fn chord(&self, s: f64, from: f64, to: f64) -> impl Iterator<Item = [f64; 2]> {
         let middle = 0.5 * (from + to);
-        let n = self.corners.len();
-        let mut crossings: smallvec::SmallVec<[[f64; 2]; 8]> = (0..n)
-            .filter_map(|i| {
-                let ([a, p], [b, q]) = (self.corners[i], self.corners[(i + 1) % n]);
+        let edges = self.outlines.iter().flat_map(|o| (0..o.len()).map(move |i| (o[i], o[(i + 1) % o.len()])));
+        let mut crossings: SmallVec<[[f64; 2]; 8]> = edges
+            .filter_map(|([a, p], [b, q])| {
                 let at = |s: f64| p + (q - p) * ((s - a) / (b - a)).clamp(0.0, 1.0);
                 ((a < middle) != (b < middle)).then(|| [at(middle), at(s)])
             })
             .collect();
         crossings.sort_by(|a, b| a[0].total_cmp(&b[0]));
-        let pairs: smallvec::SmallVec<[[f64; 2]; 4]> =
-            crossings.chunks_exact(2).map(|pair| [pair[0][1], pair[1][1]]).collect();
+        let pairs: SmallVec<[[f64; 2]; 4]> = crossings.chunks_exact(2).map(|pair| [pair[0][1], pair[1][1]]).collect();
         pairs.into_iter()
     }
 
@@ -185,7 +228,7 @@ impl Sweep {
         self.chord(s, from, to).map(|[low, high]| (high - low).max(0.0)).sum()
     }
 
-    fn position(&self, u: f64, v: f64) -> DVec3 {
+    fn position(&self, u: f64, v: f64) -> [f64; 2] {
         let k = self.before.partition_point(|share| *share <= u).clamp(1, self.stops.len() - 1);
         let (from, to) = (self.stops[k - 1], self.stops[k]);
         let (first, last) = (self.length(from, from, to), self.length(to, from, to));
@@ -204,7 +247,7 @@ impl Sweep {
                 break;
             }
         }
-        self.origin + self.across * s + self.along * y
+        [s, y]
     }
 }
 
