@@ -1,4 +1,4 @@
-//! The ways of choosing points on a source.
+//! The ways of choosing points on a source, or directions that may meet it.
 
 use std::fmt;
 
@@ -7,6 +7,46 @@ use std::fmt;
 pub enum Technique {
     /// Places on the source, uniform by area.
     Area,
+    /// Directions in which each source is seen, uniform by solid angle.
+    SolidAngle,
+    /// Directions of the hemisphere, with density cosθᵢ/π, that must find the sources by themselves.
+    Cosine,
+    /// Places by area and directions by cosine together, each weighed against the other (multiple importance sampling).
+    Mis(Heuristic),
+}
+
+/// How much a sample counts where two techniques could have drawn it (Veach, *Robust Monte Carlo Methods for Light
+/// Transport Simulation*, PhD thesis, Stanford 1997, section 9.2): the technique of density p, beside one of density q with as
+/// many samples, gets the weight pᵝ/(pᵝ + qᵝ).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Heuristic {
+    /// β = 1.
+    Balance,
+    /// β = 2.
+    Power,
+}
+
+impl Heuristic {
+    /// β.
+    pub fn exponent(self) -> i32 {
+        match self {
+            Heuristic::Balance => 1,
+            Heuristic::Power => 2,
+        }
+    }
+
+    /// The weight of a technique whose density is `ratio` times the other's.
+    ///
+    /// - `ratio`: in [0, ∞]
+    /// - returns a number in [0, 1]; for `ratio` and 1/`ratio` together one, to 2⁻⁵²
+    #[inline(always)]
+    pub fn weight(self, ratio: f64) -> f64 {
+        let inverse = 1.0 / ratio;
+        match self {
+            Heuristic::Balance => 1.0 / (1.0 + inverse),
+            Heuristic::Power => 1.0 / (1.0 + inverse * inverse),
+        }
+    }
 }
 
 /// How the points of one estimate lie to one another in the unit square. Each by itself is uniform.
@@ -18,7 +58,8 @@ pub enum PointSet {
     Stratified,
 }
 
-/// A point pattern, and whether its points are fresh for each shading point or shared by all.
+/// What is drawn (points on the sources, directions), how the draws of one estimate lie to one another, and whether they
+/// are fresh for each shading point or shared by all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Strategy {
     /// N independent uniform points, fresh for each shading point.
@@ -27,11 +68,27 @@ pub enum Strategy {
     Correlated,
     /// One uniform point in each of N strata of equal area, fresh for each shading point.
     Stratified,
+    /// N independent directions, uniform in the solid angle of each source, fresh for each shading point.
+    SolidAngle,
+    /// N independent cosine-weighted directions of the hemisphere, fresh for each shading point.
+    Cosine,
+    /// N independent points on each source and N cosine-weighted directions, weighed by the balance heuristic.
+    MisBalance,
+    /// The same, weighed by the power heuristic with exponent 2.
+    MisPower,
 }
 
 impl Strategy {
     /// All of them, in the order of reports.
-    pub const ALL: [Strategy; 3] = [Strategy::Random, Strategy::Correlated, Strategy::Stratified];
+    pub const ALL: [Strategy; 7] = [
+        Strategy::Random,
+        Strategy::Correlated,
+        Strategy::Stratified,
+        Strategy::SolidAngle,
+        Strategy::Cosine,
+        Strategy::MisBalance,
+        Strategy::MisPower,
+    ];
     /// The three at the heart of the study: what a case measures that names none.
     pub const LECTURE: [Strategy; 3] = [Strategy::Random, Strategy::Correlated, Strategy::Stratified];
 
@@ -41,6 +98,10 @@ impl Strategy {
             Strategy::Random => "random",
             Strategy::Correlated => "correlated",
             Strategy::Stratified => "stratified",
+            Strategy::SolidAngle => "solid-angle",
+            Strategy::Cosine => "cosine",
+            Strategy::MisBalance => "mis-balance",
+            Strategy::MisPower => "mis-power",
         }
     }
 
@@ -52,6 +113,14 @@ impl Strategy {
             Strategy::Stratified => {
                 "one jittered point in each of N strata of equal area, fresh for each shading point"
             }
+            Strategy::SolidAngle => "N independent directions, uniform in the solid angle of each source",
+            Strategy::Cosine => "N independent cosine-weighted directions, which must find the sources by themselves",
+            Strategy::MisBalance => {
+                "N points by area and N cosine-weighted directions together, weighed by the balance heuristic"
+            }
+            Strategy::MisPower => {
+                "N points by area and N cosine-weighted directions together, weighed by the power heuristic"
+            }
         }
     }
 
@@ -59,13 +128,22 @@ impl Strategy {
     pub fn technique(self) -> Technique {
         match self {
             Strategy::Random | Strategy::Correlated | Strategy::Stratified => Technique::Area,
+            Strategy::SolidAngle => Technique::SolidAngle,
+            Strategy::Cosine => Technique::Cosine,
+            Strategy::MisBalance => Technique::Mis(Heuristic::Balance),
+            Strategy::MisPower => Technique::Mis(Heuristic::Power),
         }
     }
 
     /// How the points of one estimate lie to one another.
     pub fn point_set(self) -> PointSet {
         match self {
-            Strategy::Random | Strategy::Correlated => PointSet::Independent,
+            Strategy::Random
+            | Strategy::Correlated
+            | Strategy::SolidAngle
+            | Strategy::Cosine
+            | Strategy::MisBalance
+            | Strategy::MisPower => PointSet::Independent,
             Strategy::Stratified => PointSet::Stratified,
         }
     }
@@ -81,6 +159,10 @@ impl Strategy {
             Strategy::Random => 1,
             Strategy::Correlated => 2,
             Strategy::Stratified => 3,
+            Strategy::SolidAngle => 8,
+            Strategy::Cosine => 9,
+            Strategy::MisBalance => 10,
+            Strategy::MisPower => 11,
         }
     }
 

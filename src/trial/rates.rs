@@ -75,7 +75,12 @@ fn rate(
 /// edge cuts the source, or where the square is torn to cover it.
 fn asymptote(prepared: &Prepared, strategy: Strategy, points: &[usize]) -> f64 {
     match strategy {
-        Strategy::Random | Strategy::Correlated => -1.0,
+        Strategy::Random
+        | Strategy::Correlated
+        | Strategy::SolidAngle
+        | Strategy::Cosine
+        | Strategy::MisBalance
+        | Strategy::MisPower => -1.0,
         Strategy::Stratified if points.iter().any(|p| prepared.truths[*p].shadow_edge) => -1.5,
         Strategy::Stratified if prepared.case.configuration.sources().iter().any(tears) => -1.5,
         Strategy::Stratified => -2.0,

@@ -68,7 +68,8 @@ pub struct Look {
     pub dash: Dash,
 }
 
-/// Colours of Okabe and Ito (2008): blue, vermilion, bluish green.
+/// Colours of Okabe and Ito (2008): blue, vermilion, bluish green; for techniques beside sampling by area those of Tol's
+/// muted scheme (2021): indigo, wine, olive, purple.
 pub fn look(strategy: Strategy) -> Look {
     match strategy {
         Strategy::Random => Look { colour: RGBColor(0x00, 0x72, 0xb2), marker: Marker::Circle, dash: Dash::Solid },
@@ -77,6 +78,16 @@ pub fn look(strategy: Strategy) -> Look {
         }
         Strategy::Stratified => {
             Look { colour: RGBColor(0x00, 0x9e, 0x73), marker: Marker::Triangle, dash: Dash::Alternating }
+        }
+        Strategy::SolidAngle => {
+            Look { colour: RGBColor(0x33, 0x22, 0x88), marker: Marker::Diamond, dash: Dash::Dotted }
+        }
+        Strategy::Cosine => Look { colour: RGBColor(0x88, 0x22, 0x55), marker: Marker::Circle, dash: Dash::Dashed },
+        Strategy::MisBalance => {
+            Look { colour: RGBColor(0x99, 0x99, 0x33), marker: Marker::Square, dash: Dash::Dotted }
+        }
+        Strategy::MisPower => {
+            Look { colour: RGBColor(0xaa, 0x44, 0x99), marker: Marker::Triangle, dash: Dash::Dashed }
         }
     }
 }
@@ -87,5 +98,9 @@ pub fn shown(strategy: Strategy) -> &'static str {
         Strategy::Random => "random",
         Strategy::Correlated => "shared points",
         Strategy::Stratified => "stratified",
+        Strategy::SolidAngle => "solid angle",
+        Strategy::Cosine => "cosine",
+        Strategy::MisBalance => "MIS, balance",
+        Strategy::MisPower => "MIS, power",
     }
 }
