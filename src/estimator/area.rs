@@ -324,7 +324,7 @@ mod tests {
     use crate::configuration::{Arrangement, Source};
     use crate::geometry::{Disk, Rectangle, Shape, Sphere};
     use crate::radiometry::Exitance;
-    use crate::sampling::Strategy;
+    use crate::sampling::{Strategy, Technique};
     use glam::DVec3;
 
     fn over_the_origin(shape: Shape, occluders: Vec<Shape>) -> Configuration {
@@ -345,6 +345,10 @@ mod tests {
         (mean, ((squares / replicates as f64 - mean * mean) / replicates as f64).sqrt())
     }
 
+    fn by_area() -> impl Iterator<Item = Strategy> {
+        Strategy::ALL.into_iter().filter(|strategy| strategy.technique() == Technique::Area)
+    }
+
     fn disk(z: f64, radius: f64) -> Shape {
         Shape::Disk(Disk::new(DVec3::Z * z, -DVec3::Z, radius).unwrap())
     }
@@ -353,7 +357,7 @@ mod tests {
     fn every_strategy_finds_the_coaxial_disk() {
         // R² / (R² + h²) with R = 1, h = 2: 1/5 of 2 W/m².
         let configuration = over_the_origin(disk(2.0, 1.0), vec![]);
-        for strategy in Strategy::ALL {
+        for strategy in by_area() {
             for samples in [1, 7, 64, 200] {
                 let (mean, error) = measure(&configuration, strategy, samples, 2_000);
                 assert!((mean - 0.4).abs() < 6.0 * error, "{strategy} N = {samples}: {mean} ± {error}");
@@ -394,7 +398,7 @@ mod tests {
         let twice =
             Configuration::new(vec![source], vec![], None, vec![point, point], Arrangement::Scattered).unwrap();
         let estimator = AreaEstimator::new(&twice);
-        for strategy in Strategy::ALL {
+        for strategy in by_area() {
             let mut out = [0.0; 2];
             let job =
                 Job { strategy, samples: 16, cell: StreamKey::root(1), replicates: 0..1, points: twice.points() };
@@ -408,7 +412,7 @@ mod tests {
         let ball = Shape::Sphere(Sphere::new(DVec3::new(0.2, 0.1, 2.0), 0.6).unwrap());
         let room = over_the_origin(ball, vec![disk(1.0, 0.25)]);
         let estimator = AreaEstimator::new(&room);
-        for strategy in Strategy::ALL {
+        for strategy in by_area() {
             for samples in [1, 2, 4, 8] {
                 let cell = StreamKey::root(9);
                 let all = Job { strategy, samples, cell, replicates: 5..305, points: room.points() };

@@ -278,3 +278,186 @@ impl View {
         chosen.direction((left / chosen.solid_angle()).clamp(0.0, 1.0), v)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Disk, Polygon, Rectangle, Sphere, solid_angle};
+
+    /// Midpoints of n × n cells of the square: direction and distance.
+    fn grid(view: &View, n: usize) -> Vec<(DVec3, f64)> {
+        let (mut squares, mut directions) = (Squares::default(), DirectionBlock::default());
+        let mut distances = [[0.0; LANES]; BLOCK / LANES];
+        let mut all = Vec::with_capacity(n * n);
+        for start in (0..n * n).step_by(BLOCK) {
+            let len = BLOCK.min(n * n - start);
+            for k in 0..len {
+                let (i, j) = ((start + k) % n, (start + k) / n);
+                squares.u[k / LANES][k % LANES] = (i as f64 + 0.5) / n as f64;
+                squares.v[k / LANES][k % LANES] = (j as f64 + 0.5) / n as f64;
+            }
+            view.draw(&squares, len, &mut directions, &mut distances);
+            all.extend((0..len).map(|k| {
+                let (g, l) = (k / LANES, k % LANES);
+                (directions.direction(g, l), distances[g][l])
+            }));
+        }
+        all
+    }
+
+    fn view(shape: &Shape, eye: DVec3) -> View {
+        let mut view = View::default();
+        Silhouette::new(shape).unwrap().seen_from(eye, &mut view);
+        view
+    }
+
+    fn exact(shape: &Shape, eye: DVec3) -> f64 {
+        match shape {
+            Shape::Disk(s) => solid_angle::disk(eye, s),
+            Shape::Rectangle(s) => solid_angle::rectangle(eye, s),
+            Shape::Polygon(s) => solid_angle::polygon(eye, s),
+            Shape::Sphere(s) => solid_angle::sphere(eye, s),
+            Shape::Mesh(_) => unreachable!("no mesh here"),
+        }
+        .unwrap()
+    }
+
+    fn shapes() -> Vec<Shape> {
+        let frame = Frame::around(DVec3::new(0.1, -0.2, -1.0).normalize());
+        let flat = |outline: &[[f64; 2]]| {
+            let vertices = outline.iter().map(|p| DVec3::Z + frame.tangent * p[0] + frame.bitangent * p[1]);
+            Shape::Polygon(Polygon::new(vertices.collect()).unwrap())
+        };
+        vec![
+            Shape::Rectangle(Rectangle::new(DVec3::Z, DVec3::Y * 1.5, DVec3::X).unwrap()),
+            Shape::Disk(Disk::new(DVec3::Z, DVec3::new(0.2, 0.1, -1.0), 0.7).unwrap()),
+            Shape::Sphere(Sphere::new(DVec3::Z, 0.6).unwrap()),
+            flat(&[[0.0, 0.0], [1.0, 0.2], [0.3, 1.5]]),
+            flat(&[[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]]),
+            flat(&[[0.0, 0.0], [3.0, 0.0], [3.0, 2.0], [1.5, 0.5], [0.0, 2.0]]),
+        ]
+    }
+
+    fn eyes() -> Vec<DVec3> {
+        let v = DVec3::new;
+        vec![
+            v(0.0, 0.0, 0.0),
+            v(0.3, 0.4, 0.2),
+            v(3.0, 1.0, 0.3),
+            v(-40.0, 3.0, -70.0),
+            v(1e3, 2e3, -5e3),
+            v(1e6, 2e6, -3e6),
+        ]
+    }
+
+    #[test]
+    fn the_share_that_hits_is_the_exact_solid_angle() {
+        for shape in shapes() {
+            for eye in eyes() {
+                let view = view(&shape, eye);
+                let n = 400;
+                let hits = grid(&view, n).iter().filter(|(_, distance)| *distance > 0.0).count();
+                let found = view.solid_angle() * hits as f64 / (n * n) as f64;
+                let exact = exact(&shape, eye);
+                // A disk's ellipse is counted in cells; all else is hit always.
+                let allowed = if matches!(shape, Shape::Disk(_)) { 2e-3 } else { 1e-9 };
+                assert!((found / exact - 1.0).abs() < allowed, "{} from {eye}: {found}, not {exact}", shape.kind());
+                assert!(hits as f64 >= 0.78 * (n * n) as f64, "{} from {eye}: {hits} hits", shape.kind());
+            }
+        }
+    }
+
+    #[test]
+    fn directions_end_on_the_shape() {
+        for shape in shapes() {
+            for eye in eyes() {
+                let view = view(&shape, eye);
+                for (direction, distance) in grid(&view, 40).into_iter().filter(|(_, distance)| *distance > 0.0) {
+                    let end = eye + direction * distance;
+                    let rounding = 1e-14 * (1.0 + distance);
+                    let off = match &shape {
+                        Shape::Disk(s) => {
+                            assert!((end - s.center()).length() <= s.radius() + rounding);
+                            (end - s.center()).dot(s.normal())
+                        }
+                        Shape::Rectangle(s) => {
+                            let corner = end - s.center();
+                            assert!(corner.x.abs() <= 0.5 + rounding && corner.y.abs() <= 0.75 + rounding);
+                            corner.dot(s.normal())
+                        }
+                        Shape::Polygon(s) => (end - s.vertices()[0]).dot(s.normal()),
+                        Shape::Sphere(s) => (end - s.center()).length() - s.radius(),
+                        Shape::Mesh(_) => unreachable!("no mesh here"),
+                    };
+                    assert!(off.abs() <= rounding, "{} from {eye}: {end} is off by {off}", shape.kind());
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_far_side_of_a_shape_is_not_seen() {
+        let disk = Disk::new(DVec3::Z, DVec3::NEG_Z, 1.0).unwrap();
+        let square = Rectangle::new(DVec3::Z, DVec3::Y, DVec3::X).unwrap();
+        for shape in [Shape::Disk(disk), Shape::Rectangle(square)] {
+            for eye in [DVec3::Z * 1.5, DVec3::new(3.0, 0.0, 1.0)] {
+                assert_eq!(view(&shape, eye).solid_angle(), 0.0, "{shape:?} from {eye}");
+            }
+        }
+        let ball = Shape::Sphere(Sphere::new(DVec3::Z, 1.0).unwrap());
+        assert_eq!(view(&ball, DVec3::Z * 1.5).solid_angle(), 0.0);
+    }
+
+    /// The mean of Ω cosθ/π over a fine grid is the form factor, from 10⁻¹⁴ sr to nearly 2π sr, with no step where other
+    /// renderers change their method (10⁻⁴, 3·10⁻⁴, 6.22 sr).
+    #[test]
+    fn no_seam_shows_from_specks_to_hemispheres() {
+        // Straight above the middle: closed forms of the simplest kind.
+        let (half, radius) = (0.5_f64, 0.5_f64);
+        let square = Shape::Rectangle(Rectangle::new(DVec3::ZERO, DVec3::X, DVec3::Y).unwrap());
+        let triangles = [[0, 1, 2], [0, 2, 3]].map(|t| {
+            let Shape::Rectangle(s) = &square else { unreachable!() };
+            Shape::Polygon(Polygon::new(t.map(|k| s.corners()[k]).to_vec()).unwrap())
+        });
+        let disk = Shape::Disk(Disk::new(DVec3::ZERO, DVec3::Z, radius).unwrap());
+        let of_corner = |h: f64| {
+            let side = half / h;
+            let root = side.hypot(1.0);
+            2.0 / (2.0 * std::f64::consts::PI) * (side / root) * (side / root).atan()
+        };
+        let mut span = (f64::INFINITY, 0.0_f64);
+        // From 10⁻³ to 10⁷ metres, and on either side of where the square fills 10⁻⁴, 3·10⁻⁴ and 6.22 sr.
+        let all = (0..=80).map(|step| 10_f64.powf(-3.0 + f64::from(step) / 8.0));
+        let thresholds =
+            [100.0, 57.735, 0.01117].into_iter().flat_map(|h| [0.999, 0.9999, 1.0001, 1.001].map(|k| h * k));
+        for height in all.chain(thresholds) {
+            // The square is bent most where it covers nearly a hemisphere.
+            let n = if height < 0.1 { 256 } else { 64 };
+            let eye = DVec3::Z * height;
+            let mean = |shape: &Shape, n: usize| {
+                let view = view(shape, eye);
+                let cosines = grid(&view, n).into_iter().map(|(d, far)| if far > 0.0 { -d.z } else { 0.0 });
+                (
+                    view.solid_angle(),
+                    view.solid_angle() / std::f64::consts::PI * cosines.sum::<f64>() / (n * n) as f64,
+                )
+            };
+            let square_factor = 4.0 * of_corner(height);
+            let (omega, found) = mean(&square, n);
+            span = (span.0.min(omega), span.1.max(omega));
+            assert!((found / square_factor - 1.0).abs() < 3e-4, "square, {omega} sr: {found}, not {square_factor}");
+            for triangle in &triangles {
+                let (omega, found) = mean(triangle, n);
+                assert!((found / square_factor - 0.5).abs() < 3e-4, "triangle, {omega} sr: {found}");
+            }
+            let disk_factor = radius * radius / (radius * radius + height * height);
+            let (omega, found) = mean(&disk, 2 * n);
+            assert!((found / disk_factor - 1.0).abs() < 2e-3, "disk, {omega} sr: {found}, not {disk_factor}");
+            let ball = Shape::Sphere(Sphere::new(DVec3::NEG_Z * radius, radius).unwrap());
+            let ball_factor = (radius / (radius + height)).powi(2);
+            let (omega, found) = mean(&ball, n);
+            assert!((found / ball_factor - 1.0).abs() < 3e-4, "ball, {omega} sr: {found}, not {ball_factor}");
+        }
+        assert!(span.0 < 1.01e-14 && span.1 > 6.27, "{span:?}");
+    }
+}

@@ -177,3 +177,43 @@ impl fmt::Display for Strategy {
         f.pad(self.name())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::{prop_assert, proptest};
+    use std::collections::BTreeSet;
+
+    proptest! {
+        #[test]
+        fn the_weights_of_two_techniques_sum_to_one(exponent in -320.0..308.0) {
+            let ratio = 10_f64.powf(exponent);
+            for heuristic in [Heuristic::Balance, Heuristic::Power] {
+                let (one, other) = (heuristic.weight(ratio), heuristic.weight(1.0 / ratio));
+                prop_assert!((one + other - 1.0).abs() <= 2.0 * f64::EPSILON, "{} {}", one, other);
+                // By Veach's own words, where nothing overflows.
+                let powers = (ratio.powi(heuristic.exponent()), 1.0);
+                if powers.0.is_normal() {
+                    prop_assert!((one - powers.0 / (powers.0 + powers.1)).abs() <= 4.0 * f64::EPSILON);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_technique_that_cannot_draw_a_sample_has_no_say() {
+        for heuristic in [Heuristic::Balance, Heuristic::Power] {
+            assert_eq!((heuristic.weight(0.0), heuristic.weight(f64::INFINITY)), (0.0, 1.0));
+        }
+    }
+
+    #[test]
+    fn names_and_streams_are_its_own() {
+        let names: BTreeSet<_> = Strategy::ALL.map(Strategy::name).into();
+        let streams: BTreeSet<_> = Strategy::ALL.map(Strategy::stream_id).into();
+        assert_eq!((names.len(), streams.len()), (Strategy::ALL.len(), Strategy::ALL.len()));
+        for strategy in Strategy::ALL {
+            assert_eq!(Strategy::from_name(strategy.name()), Some(strategy));
+        }
+    }
+}

@@ -1,13 +1,14 @@
 //! From a pilot's variances to the replicates that a verdict needs.
 //!
 //! The pilot draws from streams of its own, so what it says is independent of what is judged. Its variances stand in for
-//! exact ones; they are taken on the high side: by two standard errors, and, where a shadow's edge crosses the source,
-//! by what a part of it too small to have been hit could add.
+//! exact ones; they are taken on the high side: by two standard errors, and, where a shadow's edge crosses the source or
+//! directions must find it, by what a part of it too small to have been hit could add.
 
 use super::measure::{BATCHES, CellSums, Prepared};
 use super::reach::peak;
 use crate::case::{Replicates, Study};
 use crate::oracle::Region;
+use crate::sampling::Technique;
 use crate::statistics::PowerSums;
 use crate::statistics::evidence::{replicates_for, smallest_shift};
 
@@ -51,7 +52,7 @@ pub(super) fn components(prepared: &Prepared, study: &Study) -> usize {
 }
 
 impl CellPlan {
-    pub fn new(prepared: &Prepared, study: &Study, pilot: &CellSums) -> CellPlan {
+    pub fn new(prepared: &Prepared, study: &Study, technique: Technique, pilot: &CellSums) -> CellPlan {
         let configuration = &prepared.case.configuration;
         let n = pilot.samples as f64;
         let seen = pilot.replicates as f64;
@@ -61,14 +62,16 @@ impl CellPlan {
             .iter()
             .zip(prepared.truths)
             .map(|(point, truth)| {
-                let cut = truth.shadow_edge || truth.region == Region::Edge;
-                let part = peak(configuration, point) / n;
+                // Directions that must find a source jump at its own outline, too.
+                let seeks = !matches!(technique, Technique::Area);
+                let cut = seeks || truth.shadow_edge || truth.region == Region::Edge;
+                let part = peak(configuration, point, technique) / n;
                 if cut { part * part * UNSEEN_COUNT / seen } else { 0.0 }
             })
             .collect();
         let point_variances: Vec<f64> = (0..prepared.exact.len())
             .map(|p| {
-                let ceiling = peak(configuration, &configuration.points()[p]) * prepared.exact[p] / n;
+                let ceiling = peak(configuration, &configuration.points()[p], technique) * prepared.exact[p] / n;
                 // A mean of N independent terms of at most `peak` has no more than this variance, whatever the pilot saw.
                 (upper_variance(&pilot.points[p]) + unseen[p]).min(ceiling)
             })

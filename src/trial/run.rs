@@ -154,7 +154,7 @@ fn run_strategy(
             let pilot = measure(prepared, Purpose::Pilot, strategy, *samples, replicates, &traced);
             pilot_rays += rays_of(*samples, replicates);
             pilot_seconds += pilot.seconds;
-            CellPlan::new(prepared, study, &pilot)
+            CellPlan::new(prepared, study, strategy.technique(), &pilot)
         })
         .collect();
     for plan in &plans {

@@ -207,7 +207,11 @@ fn an_output_that_cannot_be_is_found_before_the_work() {
 fn list_names_every_case_and_strategy() {
     let said = etendue().arg("list").assert().code(0).stderr(is_empty());
     let text = String::from_utf8(said.get_output().stdout.clone()).unwrap();
-    for name in shipped().map(|case| case.name()).chain(["random", "correlated", "stratified", "area"]) {
+    for name in shipped()
+        .map(|case| case.name())
+        .chain(etendue::Strategy::ALL.map(|strategy| strategy.name()))
+        .chain(["area"])
+    {
         assert!(text.lines().any(|line| line.trim_start().starts_with(name)), "{name}");
     }
     let said = etendue().args(["list", "--json"]).assert().code(0).stderr(is_empty());
@@ -215,7 +219,7 @@ fn list_names_every_case_and_strategy() {
     let names: Vec<&str> =
         json["cases"].as_array().unwrap().iter().map(|case| case["name"].as_str().unwrap()).collect();
     assert_eq!(names, shipped().map(|case| case.name()).collect::<Vec<_>>());
-    assert_eq!(json["strategies"], serde_json::json!(["random", "correlated", "stratified"]));
+    assert_eq!(json["strategies"], serde_json::json!(etendue::Strategy::ALL.map(|strategy| strategy.name())));
     for case in json["cases"].as_array().unwrap() {
         assert!(case["points"].as_u64().unwrap() > 0 && !case["title"].as_str().unwrap().is_empty(), "{case}");
     }

@@ -9,6 +9,7 @@ mod convergence;
 mod determinism;
 mod estimator_laws;
 mod exact;
+mod first_met;
 mod laws;
 mod meshes;
 mod papers;
@@ -17,5 +18,6 @@ mod radiometry;
 #[cfg(all(feature = "cli", feature = "plots"))]
 mod reference;
 mod shipped_cases;
+mod techniques;
 mod walls;
 mod witness;
