@@ -82,3 +82,16 @@ impl pulp::NullaryFnOnce for Estimate<'_, '_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampling::Strategy;
+
+    #[test]
+    fn instruction_sets_move_no_bit() {
+        crate::estimator::tests::same_bits(Strategy::Cosine, |room| {
+            [pulp::Arch::new(), pulp::Arch::Scalar].map(|arch| CosineEstimator { arch, ..CosineEstimator::new(room) })
+        });
+    }
+}

@@ -147,3 +147,17 @@ impl MixtureEstimator {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampling::Strategy;
+
+    #[test]
+    fn instruction_sets_move_no_bit() {
+        crate::estimator::tests::same_bits(Strategy::MisPower, |room| {
+            [pulp::Arch::new(), pulp::Arch::Scalar]
+                .map(|arch| MixtureEstimator { arch, ..MixtureEstimator::new(room, Heuristic::Power) })
+        });
+    }
+}

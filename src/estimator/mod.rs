@@ -52,3 +52,47 @@ pub fn for_technique(configuration: &Configuration, technique: Technique) -> Box
         Technique::Mis(heuristic) => Box::new(MixtureEstimator::new(configuration, heuristic)),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::configuration::{Arrangement, Source};
+    use crate::geometry::{DVec3, Disk, Mesh, Polygon, Rectangle, Shape, Sphere};
+    use crate::radiometry::Exitance;
+
+    /// Sources and occluders of every kind.
+    fn room() -> Configuration {
+        let corner = |x: f64, y: f64, z: f64| DVec3::new(x, y, z);
+        let square = Rectangle::new(corner(0.4, 0.0, 2.0), DVec3::Y, DVec3::X).unwrap();
+        let triangle = vec![corner(-1.0, 0.0, 1.5), corner(-0.5, 1.0, 1.4), corner(0.2, 0.1, 1.6)];
+        let shapes = [
+            Shape::Disk(Disk::new(corner(0.0, -0.5, 1.2), DVec3::new(0.1, 0.2, -1.0), 0.4).unwrap()),
+            Shape::Rectangle(square),
+            Shape::Polygon(Polygon::new(triangle.clone()).unwrap()),
+            Shape::Sphere(Sphere::new(corner(0.7, 0.7, 1.0), 0.2).unwrap()),
+        ];
+        let below = triangle.iter().map(|p| *p * 0.6).collect();
+        let mut occluders = vec![Shape::Mesh(Mesh::new(below, vec![[0, 1, 2]]).unwrap().subdivided(2))];
+        occluders.push(Shape::Sphere(Sphere::new(corner(0.2, 0.2, 0.7), 0.15).unwrap()));
+        let sources = shapes.into_iter().map(|shape| Source::new(shape, Exitance::new(1.3)).unwrap()).collect();
+        let point = |x: f64| MeasurementPoint::new(DVec3::X * x, DVec3::new(0.1, -0.2, 1.0)).unwrap();
+        let points = vec![point(0.0), point(0.5), point(-2.0)];
+        Configuration::new(sources, occluders, None, points, Arrangement::Scattered).unwrap()
+    }
+
+    /// Estimators that differ in their instruction set only give the same bits.
+    pub(super) fn same_bits<E: Estimator>(strategy: Strategy, make: impl Fn(&Configuration) -> [E; 2]) {
+        let room = room();
+        let estimators = make(&room);
+        for samples in [1, 5, 8, 300] {
+            let cell = StreamKey::root(samples);
+            let job = Job { strategy, samples, cell, replicates: 0..40, points: room.points() };
+            let [one, other] = estimators.each_ref().map(|estimator| {
+                let mut estimates = vec![f64::NAN; 3 * 40];
+                estimator.estimate(&job, &mut Scratch::default(), &mut estimates);
+                estimates.into_iter().map(f64::to_bits).collect::<Vec<_>>()
+            });
+            assert_eq!(one, other, "{strategy} N = {samples}");
+        }
+    }
+}

@@ -138,3 +138,17 @@ impl Aim {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampling::Strategy;
+
+    #[test]
+    fn instruction_sets_move_no_bit() {
+        crate::estimator::tests::same_bits(Strategy::SolidAngle, |room| {
+            [pulp::Arch::new(), pulp::Arch::Scalar]
+                .map(|arch| SolidAngleEstimator { arch, ..SolidAngleEstimator::new(room) })
+        });
+    }
+}

@@ -432,7 +432,7 @@ mod tests {
             [100.0, 57.735, 0.01117].into_iter().flat_map(|h| [0.999, 0.9999, 1.0001, 1.001].map(|k| h * k));
         for height in all.chain(thresholds) {
             // The square is bent most where it covers nearly a hemisphere.
-            let n = if height < 0.1 { 256 } else { 64 };
+            let n = if height < 0.4 { 256 } else { 64 };
             let eye = DVec3::Z * height;
             let mean = |shape: &Shape, n: usize| {
                 let view = view(shape, eye);
