@@ -5,7 +5,7 @@
 use std::time::Instant;
 
 use etendue::configuration::{Arrangement, Configuration, MeasurementPoint, Source};
-use etendue::estimator::{AreaEstimator, Estimator, Job, Scratch};
+use etendue::estimator::{Job, Scratch, for_technique};
 use etendue::geometry::{DVec3, Disk, Polygon, Rectangle, Shape, Sphere};
 use etendue::radiometry::Exitance;
 use etendue::sampling::{Strategy, StreamKey};
@@ -49,7 +49,7 @@ fn room(source: Shape, occluders: Vec<Shape>) -> Configuration {
 }
 
 fn nanoseconds(room: &Configuration, strategy: Strategy, samples: u64) -> f64 {
-    let estimator = AreaEstimator::new(room);
+    let estimator = for_technique(room, strategy.technique());
     let points = room.points();
     let replicates = SAMPLES_A_ROUND / (samples * points.len() as u64);
     let (mut scratch, mut estimates) = (Scratch::default(), vec![0.0; points.len() * 256]);

@@ -203,7 +203,7 @@ fn place_flat(
 
 /// From the unit square to the unit disk.
 #[inline(always)]
-fn concentric(u: f64, v: f64) -> (f64, f64) {
+pub(super) fn concentric(u: f64, v: f64) -> (f64, f64) {
     let (a, b) = (2.0 * u - 1.0, 2.0 * v - 1.0);
     let a_leads = a.abs() > b.abs();
     let (radius, other) = if a_leads { (a, b) } else { (b, a) };

@@ -2,13 +2,15 @@
 //!
 //! Where the exact side predicts the variance, it plans and judges. Elsewhere a pilot does, which draws from streams of its
 //! own, so what it says is independent of what is judged; its variances are taken on the high side: by two standard errors,
-//! and, where a shadow's edge crosses the source, by what a part of it too small to have been hit could add.
+//! and, where a shadow's edge crosses the source or directions must find it, by what a part of it too small to have been
+//! hit could add.
 
 use super::measure::{BATCHES, CellSums, Prepared};
 use super::predict::{CellPrediction, Tolerated};
 use super::reach::peak;
 use crate::case::{Replicates, Study};
 use crate::oracle::Region;
+use crate::sampling::Technique;
 use crate::statistics::PowerSums;
 use crate::statistics::evidence::{replicates_for, smallest_shift};
 
@@ -60,6 +62,7 @@ impl CellPlan {
     pub fn new(
         prepared: &Prepared,
         study: &Study,
+        technique: Technique,
         samples: u64,
         prediction: CellPrediction,
         pilot: Option<&CellSums>,
@@ -68,7 +71,7 @@ impl CellPlan {
             prediction.points.iter().map(|point| point.map(|spread| spread.upper_variance())).collect();
         let contrasts =
             prediction.contrasts.as_ref().map(|list| list.iter().map(Tolerated::upper_variance).collect());
-        let measured = pilot.map(|pilot| CellPlan::piloted(prepared, pilot));
+        let measured = pilot.map(|pilot| CellPlan::piloted(prepared, technique, pilot));
         let (of_pilot, contrasts_of_pilot) = measured.unwrap_or_default();
         let mut plan = CellPlan {
             samples,
@@ -85,7 +88,7 @@ impl CellPlan {
     }
 
     /// Upper variances of points and contrasts from a pilot.
-    fn piloted(prepared: &Prepared, pilot: &CellSums) -> (Vec<f64>, Vec<f64>) {
+    fn piloted(prepared: &Prepared, technique: Technique, pilot: &CellSums) -> (Vec<f64>, Vec<f64>) {
         let configuration = &prepared.case.configuration;
         let n = pilot.samples as f64;
         let seen = pilot.replicates as f64;
@@ -95,14 +98,16 @@ impl CellPlan {
             .iter()
             .zip(prepared.truths)
             .map(|(point, truth)| {
-                let cut = truth.shadow_edge || truth.region == Region::Edge;
-                let part = peak(configuration, point) / n;
+                // Directions that must find a source jump at its own outline, too.
+                let seeks = !matches!(technique, Technique::Area);
+                let cut = seeks || truth.shadow_edge || truth.region == Region::Edge;
+                let part = peak(configuration, point, technique) / n;
                 if cut { part * part * UNSEEN_COUNT / seen } else { 0.0 }
             })
             .collect();
         let point_variances: Vec<f64> = (0..prepared.exact.len())
             .map(|p| {
-                let ceiling = peak(configuration, &configuration.points()[p]) * prepared.exact[p] / n;
+                let ceiling = peak(configuration, &configuration.points()[p], technique) * prepared.exact[p] / n;
                 // A mean of N independent terms of at most `peak` has no more than this variance, whatever the pilot saw.
                 (upper_variance(&pilot.points[p]) + unseen[p]).min(ceiling)
             })

@@ -135,7 +135,7 @@ pub(super) fn plans(
     for (index, samples) in study.samples.iter().enumerate() {
         let prediction = prepared.predictions.cell(strategy, study, index, &prepared.contrasts.weights);
         if prediction.is_complete() {
-            plans.cells.push(CellPlan::new(prepared, study, *samples, prediction, None));
+            plans.cells.push(CellPlan::new(prepared, study, strategy.technique(), *samples, prediction, None));
             continue;
         }
         let replicates = pilot_replicates(*samples);
@@ -144,7 +144,7 @@ pub(super) fn plans(
         let pilot = measure(prepared, Purpose::Pilot, strategy, *samples, replicates, &traced);
         plans.pilot_rays += rays;
         plans.pilot_seconds += pilot.seconds;
-        plans.cells.push(CellPlan::new(prepared, study, *samples, prediction, Some(&pilot)));
+        plans.cells.push(CellPlan::new(prepared, study, strategy.technique(), *samples, prediction, Some(&pilot)));
     }
     plans
 }

@@ -195,7 +195,12 @@ fn slopes_are_those_of_theory(outcome: &CaseOutcome, strategy: &StrategyOutcome)
         );
         assert!(rate.slope_low <= rate.slope && rate.slope <= rate.slope_high, "{place}");
         match strategy.strategy {
-            Strategy::Random | Strategy::Correlated => {
+            Strategy::Random
+            | Strategy::Correlated
+            | Strategy::SolidAngle
+            | Strategy::Cosine
+            | Strategy::MisBalance
+            | Strategy::MisPower => {
                 // The variance of a mean of N independent terms is exactly 1/N of one's, at every N.
                 let allowed = WIDENED * 0.5 * (rate.slope_high - rate.slope_low);
                 assert!((rate.slope + 1.0).abs() <= allowed, "{place}, not as 1/N");

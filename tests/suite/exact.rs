@@ -11,6 +11,7 @@ pub struct Row {
     pub id: String,
     pub unoccluded: f64,
     pub visible: f64,
+    pub configuration: Configuration,
     pub oracle: Oracle,
     pub point: MeasurementPoint,
     /// Whether the row names occluders.
@@ -72,6 +73,7 @@ fn read(row: &closed_forms::Row) -> Row {
         is_occluded,
         truth: oracle.at(&point),
         oracle,
+        configuration,
         point,
         is_cut,
     }

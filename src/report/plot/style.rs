@@ -111,7 +111,8 @@ pub struct Look {
 }
 
 /// Colours of Okabe and Ito (2008), all but yellow, which is lost on white: blue, vermilion, bluish green, orange, sky blue,
-/// reddish purple, black.
+/// reddish purple, black; for techniques beside sampling by area those of Tol's muted scheme (2021): indigo, wine, olive,
+/// purple.
 pub fn look(strategy: Strategy) -> Look {
     match strategy {
         Strategy::Random => Look { colour: RGBColor(0x00, 0x72, 0xb2), marker: Marker::Circle, dash: Dash::Solid },
@@ -131,6 +132,16 @@ pub fn look(strategy: Strategy) -> Look {
             Look { colour: RGBColor(0xcc, 0x79, 0xa7), marker: Marker::Diamond, dash: Dash::Morse }
         }
         Strategy::Sobol => Look { colour: RGBColor(0x00, 0x00, 0x00), marker: Marker::Star, dash: Dash::Tripping },
+        Strategy::SolidAngle => {
+            Look { colour: RGBColor(0x33, 0x22, 0x88), marker: Marker::Diamond, dash: Dash::Dotted }
+        }
+        Strategy::Cosine => Look { colour: RGBColor(0x88, 0x22, 0x55), marker: Marker::Circle, dash: Dash::Dashed },
+        Strategy::MisBalance => {
+            Look { colour: RGBColor(0x99, 0x99, 0x33), marker: Marker::Square, dash: Dash::Dotted }
+        }
+        Strategy::MisPower => {
+            Look { colour: RGBColor(0xaa, 0x44, 0x99), marker: Marker::Triangle, dash: Dash::Dashed }
+        }
     }
 }
 
@@ -144,5 +155,9 @@ pub fn shown(strategy: Strategy) -> &'static str {
         Strategy::LatinHypercube => "Latin hypercube",
         Strategy::MultiJittered => "multi-jittered",
         Strategy::Sobol => "Sobol’, scrambled",
+        Strategy::SolidAngle => "solid angle",
+        Strategy::Cosine => "cosine",
+        Strategy::MisBalance => "MIS, balance",
+        Strategy::MisPower => "MIS, power",
     }
 }
