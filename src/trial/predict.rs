@@ -1,17 +1,21 @@
 //! What the exact side says of the spread of estimates before any is made.
 
+use std::collections::BTreeMap;
+
 use rayon::prelude::*;
 
 use crate::case::Study;
-use crate::configuration::Configuration;
+use crate::configuration::{Configuration, MeasurementPoint, Source};
 use crate::oracle::Oracle;
-use crate::oracle::variance::{RELATIVE_ERROR, Spread};
-use crate::sampling::{PointSet, Strategy, Technique};
+use crate::oracle::variance::{Contribution, RELATIVE_ERROR, SampleMoments, Spread};
+use crate::sampling::{Heuristic, PointSet, Silhouette, Strategy, Technique, View};
 
 /// Predicted spreads of one case, for all strategies of a study.
 pub(super) struct Predictions {
     /// [point]: one sample on each source, uniform by area.
     area: Vec<Option<Spread>>,
+    /// [point]: one draw of another technique.
+    others: BTreeMap<Technique, Vec<Option<Spread>>>,
     /// [point]: one for each sample count of the study, one sample in each stratum.
     strata: Vec<Option<Vec<Spread>>>,
     shared: Option<SharedSpreads>,
@@ -79,6 +83,14 @@ impl Predictions {
                 })
             })
             .collect();
+        let techniques = study.strategies.iter().map(|strategy| strategy.technique());
+        let others: BTreeMap<Technique, Vec<Option<Spread>>> = techniques
+            .filter(|technique| *technique != Technique::Area)
+            .map(|technique| {
+                let of_point = |point| of_technique(oracle, configuration, technique, point);
+                (technique, points.par_iter().map(of_point).collect())
+            })
+            .collect();
         let strata = if asks(PointSet::Stratified) {
             points.par_iter().map(|point| oracle.strata_spreads(point, &study.samples, &strata)).collect()
         } else {
@@ -96,7 +108,7 @@ impl Predictions {
                 correlations: pairs.iter().zip(&shared.covariances).map(correlation).collect(),
             }
         });
-        Predictions { area, strata, shared }
+        Predictions { area, others, strata, shared }
     }
 
     /// What is predicted of a strategy at the study's `index`-th sample count.
@@ -109,7 +121,10 @@ impl Predictions {
             (Technique::Area, PointSet::Stratified) => {
                 self.strata.iter().map(|spreads| Some(Tolerated::new(spreads.as_ref()?[index]))).collect()
             }
-            _ => vec![None; self.area.len()],
+            (Technique::Area, _) => vec![None; self.area.len()],
+            (technique, _) => {
+                self.others[&technique].iter().map(|spread| Some(Tolerated::new((*spread)?.mean_of(n)))).collect()
+            }
         };
         let contrasts = if strategy.shares_points() {
             self.shared.as_ref().map(|shared| {
@@ -125,6 +140,45 @@ impl Predictions {
     /// Correlation of the errors at the pairs that were asked for; `None` where it is not predicted.
     pub fn correlations(&self, strategy: Strategy) -> Option<&[f64]> {
         if strategy.shares_points() { self.shared.as_ref().map(|shared| &shared.correlations[..]) } else { None }
+    }
+}
+
+/// Spread of what one draw of a technique brings (for techniques that draw on each source, one draw on each).
+fn of_technique(
+    oracle: &Oracle,
+    configuration: &Configuration,
+    technique: Technique,
+    point: &MeasurementPoint,
+) -> Option<Spread> {
+    let sources = || configuration.sources().iter().enumerate();
+    let sum = |spread: &dyn Fn(usize, &Source) -> Option<Spread>| {
+        sources().try_fold(Spread::default(), |sum, (i, source)| Some(sum.plus(spread(i, source)?)))
+    };
+    match technique {
+        Technique::Area => sum(&|i, _| Some(oracle.area_moments(i, point)?.spread())),
+        Technique::SolidAngle => sum(&|i, source| {
+            let mut view = View::default();
+            Silhouette::new(source.shape())?.seen_from(point.position(), &mut view);
+            let solid_angle = view.solid_angle();
+            if solid_angle <= 0.0 {
+                return Some(Spread::default());
+            }
+            Some(oracle.sample_moments(i, point, |at| Contribution::by_solid_angle(at, solid_angle))?.spread())
+        }),
+        Technique::Cosine => Some(oracle.cosine_moments(point)?.spread()),
+        Technique::Mis(heuristic) => {
+            let power = match heuristic {
+                Heuristic::Balance => 1,
+                Heuristic::Power => 2,
+            };
+            let by_area = sum(&|i, _| {
+                Some(oracle.sample_moments(i, point, |at| Contribution::by_area_weighed(at, power))?.spread())
+            })?;
+            let by_cosine: Option<Vec<SampleMoments>> = sources()
+                .map(|(i, _)| oracle.sample_moments(i, point, |at| Contribution::by_cosine_weighed(at, power)))
+                .collect();
+            Some(by_area.plus(SampleMoments::either(&by_cosine?).spread()))
+        }
     }
 }
 

@@ -40,6 +40,40 @@ impl Contribution {
         let value = area * exitance * cos_receiver * cos_source / (std::f64::consts::PI * distance_squared);
         Contribution { value, density: 1.0 }
     }
+
+    /// A direction drawn uniformly in a solid angle around the source: M cosθᵢ Ω/π, with density A cosθₛ/(r² Ω).
+    ///
+    /// - `solid_angle`: Ω, sr
+    pub fn by_solid_angle(landing: &Landing, solid_angle: f64) -> Contribution {
+        let Landing { cos_receiver, cos_source, distance_squared, area, exitance } = *landing;
+        let value = exitance * cos_receiver * solid_angle / std::f64::consts::PI;
+        Contribution { value, density: area * cos_source / (distance_squared * solid_angle) }
+    }
+
+    /// A place drawn by area, weighed against a direction drawn by the cosine: the sample by area times
+    /// p_aᵝ/(p_aᵝ + p_cᵝ), with p_a = r²/(A cosθₛ) and p_c = cosθᵢ/π per solid angle (Veach 1997).
+    ///
+    /// - `power`: β, 1 for the balance heuristic
+    pub fn by_area_weighed(landing: &Landing, power: i32) -> Contribution {
+        let by_area = Contribution::by_area(landing);
+        Contribution { value: by_area.value * (1.0 - share_of_cosine(landing, power)), ..by_area }
+    }
+
+    /// The other half: a direction drawn by the cosine that meets the source brings M p_cᵝ/(p_aᵝ + p_cᵝ).
+    pub fn by_cosine_weighed(landing: &Landing, power: i32) -> Contribution {
+        let Landing { cos_receiver, cos_source, distance_squared, area, exitance } = *landing;
+        Contribution {
+            value: exitance * share_of_cosine(landing, power),
+            density: area * cos_receiver * cos_source / (std::f64::consts::PI * distance_squared),
+        }
+    }
+}
+
+/// p_cᵝ/(p_aᵝ + p_cᵝ): both over p_a, which is infinite where the source is seen edge-on.
+fn share_of_cosine(landing: &Landing, power: i32) -> f64 {
+    let Landing { cos_receiver, cos_source, distance_squared, area, .. } = *landing;
+    let ratio = (area * cos_receiver * cos_source / (std::f64::consts::PI * distance_squared)).powi(power);
+    ratio / (1.0 + ratio)
 }
 
 /// One source seen from one point.

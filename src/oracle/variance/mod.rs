@@ -114,6 +114,17 @@ impl Oracle {
         })
     }
 
+    /// Moments of what a direction brings that is drawn by the cosine and must find the sources by itself: M of the source
+    /// that it meets, with the source's form factor as its probability.
+    pub fn cosine_moments(&self, point: &MeasurementPoint) -> Option<SampleMoments> {
+        let seen = self.seen(point);
+        let powers = |q: i32| {
+            let parts = seen.iter().zip(&self.sources);
+            parts.map(|(seen, source)| source.exitance.powi(q) * seen.visible.value).sum()
+        };
+        Some(SampleMoments { raw: [1, 2, 3, 4].map(powers) })
+    }
+
     /// The irradiance of one source at a point, W/m².
     fn due(&self, source: usize, point: &MeasurementPoint) -> f64 {
         self.seen(point)[source].visible.value * self.sources[source].exitance
