@@ -135,13 +135,13 @@ const CELL_LEVELS: u32 = 5;
 impl Layout {
     fn new(polygon: &Polygon) -> Layout {
         let axes = Axes::of(polygon);
-        let (normal, whole) = (polygon.normal(), Sweep::new(vec![axes.flatten(polygon)]));
+        let (normal, whole) = (polygon.normal(), Sweep::new(&[axes.flatten(polygon)]));
         if !whole.is_torn() {
             return Layout { axes, normal, side: 1, sweeps: vec![whole] };
         }
         let partition = Partition::new(polygon, CELL_LEVELS);
         let side = partition.side();
-        let sweep = |k: usize| Sweep::new(partition.cell(k / side, k % side).to_vec());
+        let sweep = |k: usize| Sweep::new(partition.cell(k / side, k % side));
         Layout { axes: *partition.axes(), normal, side, sweeps: (0..side * side).map(sweep).collect() }
     }
 
@@ -165,81 +165,82 @@ impl Layout {
         }
         let (sweep, [from, _]) = self.cell(0.5 * (u[0] + u[1]), 0.5 * (v[0] + v[1]));
         let half = 0.5 * (u[1] - u[0]) * side;
-        sweep.before.iter().any(|share| (from - half..from + half).contains(share) && *share > from - half)
+        // Rounding of a cell's end is none of its inside.
+        let inside = (from - half) * (1.0 + 1e-9) + 1e-9..(from + half) * (1.0 - 1e-9);
+        sweep.slabs.iter().any(|slab| inside.contains(&slab.before))
     }
 }
 
-/// A figure run through by area. Outlines are disjoint and counter-clockwise; coordinates are (across, along).
+/// A figure run through by area.
 #[derive(Clone, Debug)]
 struct Sweep {
-    outlines: Vec<Vec<[f64; 2]>>,
-    /// Where corners lie, ascending; and the share of the area before each.
-    stops: Vec<f64>,
-    before: Vec<f64>,
+    slabs: Vec<Slab>,
     area: f64,
 }
 
+/// The part of a figure between two neighbouring corners in sweep order.
+#[derive(Clone, Debug)]
+struct Slab {
+    from: f64,
+    width: f64,
+    /// Share of the figure's area before it.
+    before: f64,
+    /// Of each piece of the chord, upwards: [low, high] where the slab begins, and where it ends.
+    pieces: SmallVec<[[[f64; 2]; 2]; 1]>,
+}
+
+impl Slab {
+    /// The pieces of the chord at a share of the width.
+    fn chord(&self, share: f64) -> impl Iterator<Item = [f64; 2]> {
+        self.pieces.iter().map(move |[begin, end]| [0, 1].map(|k| begin[k] + (end[k] - begin[k]) * share))
+    }
+
+    fn length(&self, share: f64) -> f64 {
+        self.chord(share).map(|[low, high]| (high - low).max(0.0)).sum()
+    }
+}
+
 impl Sweep {
-    fn new(outlines: Vec<Vec<[f64; 2]>>) -> Sweep {
+    /// - `outlines`: disjoint and counter-clockwise; coordinates are (across, along)
+    fn new(outlines: &[Vec<[f64; 2]>]) -> Sweep {
         let mut stops: Vec<f64> = outlines.iter().flatten().map(|corner| corner[0]).collect();
         stops.sort_by(f64::total_cmp);
         let size = stops[stops.len() - 1] - stops[0];
         stops.dedup_by(|b, a| *b - *a <= 1e-13 * size);
-        let mut sweep = Sweep { outlines, stops, before: vec![0.0], area: 0.0 };
-        for k in 1..sweep.stops.len() {
-            let (from, to) = (sweep.stops[k - 1], sweep.stops[k]);
-            // A trapezium for each piece: the chord in the middle is the mean one.
-            sweep.area += (to - from) * sweep.length(0.5 * (from + to), from, to);
-            sweep.before.push(sweep.area);
+        let mut sweep = Sweep { slabs: Vec::new(), area: 0.0 };
+        for pair in stops.windows(2) {
+            let slab = slab(outlines, pair[0], pair[1], sweep.area);
+            // A trapezium for each piece: the chord in the middle is the mean one. Between pieces apart there is none.
+            let area = slab.width * slab.length(0.5);
+            if area > 0.0 {
+                sweep.area += area;
+                sweep.slabs.push(slab);
+            }
         }
         let area = sweep.area;
-        sweep.before.iter_mut().for_each(|share| *share /= area);
+        sweep.slabs.iter_mut().for_each(|slab| slab.before /= area);
         sweep
     }
 
     /// Whether the chord splits or jumps.
     fn is_torn(&self) -> bool {
-        let slabs: Vec<[f64; 2]> = self.stops.windows(2).map(|pair| [pair[0], pair[1]]).collect();
-        let chord = |[from, to]: [f64; 2], s: f64| -> Vec<[f64; 2]> { self.chord(s, from, to).collect() };
-        let split = slabs.iter().any(|slab| chord(*slab, slab[0]).len() > 1);
-        let parted = |pair: &[[f64; 2]]| {
-            let (end, start) = (chord(pair[0], pair[0][1]), chord(pair[1], pair[1][0]));
-            end.iter().flatten().zip(start.iter().flatten()).any(|(a, b)| (a - b).abs() > 1e-9 * self.area.sqrt())
+        let parted = |pair: &[Slab]| {
+            let ends = pair[0].chord(1.0).flatten().zip(pair[1].chord(0.0).flatten());
+            ends.into_iter().any(|(a, b)| (a - b).abs() > 1e-9 * self.area.sqrt())
         };
-        split || slabs.windows(2).any(parted)
-    }
-
-    /// The chord at `s` within the slab from `from` to `to`: [low, high] of each piece, upwards.
-    fn chord(&self, s: f64, from: f64, to: f64) -> impl Iterator<Item = [f64; 2]> {
-        let middle = 0.5 * (from + to);
-        let edges = self.outlines.iter().flat_map(|o| (0..o.len()).map(move |i| (o[i], o[(i + 1) % o.len()])));
-        let mut crossings: SmallVec<[[f64; 2]; 8]> = edges
-            .filter_map(|([a, p], [b, q])| {
-                let at = |s: f64| p + (q - p) * ((s - a) / (b - a)).clamp(0.0, 1.0);
-                ((a < middle) != (b < middle)).then(|| [at(middle), at(s)])
-            })
-            .collect();
-        crossings.sort_by(|a, b| a[0].total_cmp(&b[0]));
-        let pairs: SmallVec<[[f64; 2]; 4]> = crossings.chunks_exact(2).map(|pair| [pair[0][1], pair[1][1]]).collect();
-        pairs.into_iter()
-    }
-
-    fn length(&self, s: f64, from: f64, to: f64) -> f64 {
-        self.chord(s, from, to).map(|[low, high]| (high - low).max(0.0)).sum()
+        self.slabs.iter().any(|slab| slab.pieces.len() > 1) || self.slabs.windows(2).any(parted)
     }
 
     fn position(&self, u: f64, v: f64) -> [f64; 2] {
-        let k = self.before.partition_point(|share| *share <= u).clamp(1, self.stops.len() - 1);
-        let (from, to) = (self.stops[k - 1], self.stops[k]);
-        let (first, last) = (self.length(from, from, to), self.length(to, from, to));
+        let slab = &self.slabs[self.slabs.partition_point(|slab| slab.before <= u).max(1) - 1];
+        let (first, last) = (slab.length(0.0), slab.length(1.0));
         // first·x + (last − first)·x²/2 of the slab's width, 0 ≤ x ≤ 1, is the area wanted.
-        let wanted = ((u - self.before[k - 1]) * self.area / (to - from)).max(0.0);
+        let wanted = ((u - slab.before) * self.area / slab.width).max(0.0);
         let root = (first * first + 2.0 * (last - first) * wanted).max(0.0).sqrt();
         let x = if wanted > 0.0 { (2.0 * wanted / (first + root)).min(1.0) } else { 0.0 };
-        let s = from + (to - from) * x;
-        let mut left = v * self.length(s, from, to);
+        let mut left = v * slab.length(x);
         let mut y = 0.0;
-        for [low, high] in self.chord(s, from, to) {
+        for [low, high] in slab.chord(x) {
             let length = (high - low).max(0.0);
             y = low + left.min(length);
             left -= length;
@@ -247,8 +248,24 @@ impl Sweep {
                 break;
             }
         }
-        [s, y]
+        [slab.from + slab.width * x, y]
     }
+}
+
+/// - `before`: area
+fn slab(outlines: &[Vec<[f64; 2]>], from: f64, to: f64, before: f64) -> Slab {
+    let middle = 0.5 * (from + to);
+    let edges = outlines.iter().flat_map(|o| (0..o.len()).map(move |i| (o[i], o[(i + 1) % o.len()])));
+    // Where each edge that spans the slab lies, in its middle and at its ends.
+    let mut lines: Vec<[f64; 3]> = edges
+        .filter_map(|([a, p], [b, q])| {
+            let at = |s: f64| p + (q - p) * ((s - a) / (b - a)).clamp(0.0, 1.0);
+            ((a < middle) != (b < middle)).then(|| [at(middle), at(from), at(to)])
+        })
+        .collect();
+    lines.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let pieces = lines.chunks_exact(2).map(|pair| [1, 2].map(|k| [pair[0][k], pair[1][k]])).collect();
+    Slab { from, width: to - from, before, pieces }
 }
 
 #[cfg(test)]
