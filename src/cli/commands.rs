@@ -3,8 +3,9 @@
 use std::io::{IsTerminal, Write};
 
 use super::exit;
-use super::options::{Check, Exact, List, Run};
-use super::progress::Bar;
+use super::options::{Calibrate, Check, Exact, List, Run};
+use super::progress::{Bar, RunBar};
+use crate::calibration;
 use crate::case::{self, Case, Ink, SelectError};
 use crate::oracle::{self, Derivatives, Oracle, Truth};
 use crate::report::{self, ExactCase, LimitsCase, ReportOptions, TableOptions};
@@ -45,12 +46,7 @@ pub fn run(options: &Run) -> u8 {
 fn run_to_end(options: &Run) -> Result<u8, u8> {
     let cases = select(&options.cases)?;
     report::claim(&options.out).map_err(|error| fault(exit::OUTPUT, error))?;
-    if let Some(threads) = options.threads {
-        rayon::ThreadPoolBuilder::new()
-            .num_threads(usize::from(threads))
-            .build_global()
-            .map_err(|error| fault(exit::BUG, error))?;
-    }
+    set_threads(options.threads)?;
     let bar = Bar::new(cases.len(), options.quiet);
     let mut outcome = trial::run(&cases, &options.settings(), &|progress| bar.show(progress))
         .map_err(|error| fault(exit::BUG, error))?;
@@ -72,6 +68,12 @@ fn run_to_end(options: &Run) -> Result<u8, u8> {
     } else {
         exit::PASSED
     })
+}
+
+fn set_threads(threads: Option<u16>) -> Result<(), u8> {
+    let Some(threads) = threads else { return Ok(()) };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads));
+    pool.build_global().map_err(|error| fault(exit::BUG, error))
 }
 
 /// Columns of the terminal, or enough for any table in a log.
@@ -185,6 +187,22 @@ fn limits(cases: &[Case]) -> Result<(), u8> {
     let mut text = Vec::new();
     report::write_limits(&mut text, rows).map_err(|error| fault(exit::OUTPUT, error))?;
     write_out(&text)
+}
+
+pub fn calibrate(options: &Calibrate) -> u8 {
+    calibrate_to_end(options).unwrap_or_else(|code| code)
+}
+
+fn calibrate_to_end(options: &Calibrate) -> Result<u8, u8> {
+    report::claim_calibration(&options.out).map_err(|error| fault(exit::OUTPUT, error))?;
+    set_threads(options.threads)?;
+    let bar = RunBar::new();
+    let calibration = calibration::calibrate(&options.options(), &|progress| bar.show(progress))
+        .map_err(|error| fault(exit::BUG, error))?;
+    bar.finish();
+    report::write_calibration(&options.out, &calibration).map_err(|error| fault(exit::OUTPUT, error))?;
+    print(&report::calibration_table(&calibration))?;
+    Ok(if calibration.fails() { exit::FAILED } else { exit::PASSED })
 }
 
 fn print(text: &str) -> Result<(), u8> {

@@ -5,6 +5,7 @@ pub mod correlation;
 pub mod evidence;
 pub mod interval;
 pub mod moments;
+pub mod proportion;
 #[cfg(test)]
 mod simulated;
 pub mod slope;
