@@ -21,7 +21,7 @@ use crate::trial::TrialError;
 
 pub use alarms::{AlarmRow, LEVELS};
 pub use coverage::{CoverageRow, ENOUGH_RAYS, LEAST_COVERAGE};
-pub use power::{CAUGHT, PowerRow, Subject};
+pub use power::{CAUGHT, Planted, PowerRow, Subject};
 
 /// How long to look.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

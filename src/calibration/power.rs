@@ -24,7 +24,7 @@ pub const CAUGHT: f64 = 0.99;
 /// Where a bias is planted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Subject {
-    /// At every point, in proportion.
+    /// At every point, in proportion to its exact value.
     Mean,
     /// At the worst of the well-lit points alone.
     Point,
@@ -40,12 +40,32 @@ impl Subject {
     }
 }
 
+/// How a bias is planted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Planted {
+    /// Estimates times a factor: the spread grows or shrinks with the value.
+    Scaled,
+    /// A constant on top of every estimate: the spread stays.
+    Added,
+}
+
+impl Planted {
+    /// As tables have it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Planted::Scaled => "scaled",
+            Planted::Added => "added",
+        }
+    }
+}
+
 /// One study in which biases were planted. Biases are relative to the exact value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PowerRow {
     pub case: String,
     pub strategy: &'static str,
     pub subject: Subject,
+    pub planted: Planted,
     /// The only N of the study.
     pub samples: u64,
     pub replicates: u64,
@@ -70,17 +90,18 @@ pub struct PowerRow {
     pub verdict: Verdict,
 }
 
-/// Room, strategy, N, subject.
-const STUDIES: &[(&str, Strategy, u64, Subject)] = &[
-    ("one lit point", Strategy::Random, 1, Subject::Mean),
-    ("one lit point", Strategy::Stratified, 16, Subject::Mean),
-    ("tilted rectangle", Strategy::Correlated, 4, Subject::Mean),
-    ("two sources", Strategy::Random, 4, Subject::Mean),
-    ("sphere behind sphere", Strategy::Random, 16, Subject::Mean),
-    ("umbra to light", Strategy::Random, 1, Subject::Mean),
-    ("umbra to light", Strategy::Stratified, 16, Subject::Point),
-    ("half-plane", Strategy::Random, 1, Subject::Point),
-    ("antumbra", Strategy::Correlated, 16, Subject::Point),
+/// Room, strategy, N, subject, how.
+const STUDIES: &[(&str, Strategy, u64, Subject, Planted)] = &[
+    ("one lit point", Strategy::Random, 1, Subject::Mean, Planted::Scaled),
+    ("one lit point", Strategy::Stratified, 16, Subject::Mean, Planted::Scaled),
+    ("tilted rectangle", Strategy::Correlated, 4, Subject::Mean, Planted::Scaled),
+    ("two sources", Strategy::Random, 4, Subject::Mean, Planted::Scaled),
+    ("sphere behind sphere", Strategy::Random, 16, Subject::Mean, Planted::Scaled),
+    ("umbra to light", Strategy::Random, 1, Subject::Mean, Planted::Scaled),
+    ("umbra to light", Strategy::Stratified, 16, Subject::Point, Planted::Scaled),
+    ("half-plane", Strategy::Random, 1, Subject::Point, Planted::Scaled),
+    ("half-plane", Strategy::Random, 1, Subject::Point, Planted::Added),
+    ("antumbra", Strategy::Correlated, 16, Subject::Point, Planted::Scaled),
 ];
 /// Replicates of each.
 const REPLICATES: u64 = 1024;
@@ -103,19 +124,26 @@ pub(super) fn measure(
 ) -> Result<Vec<PowerRow>, TrialError> {
     STUDIES
         .iter()
-        .map(|(name, strategy, samples, subject)| {
+        .map(|(name, strategy, samples, subject, planted)| {
             let room = rooms.iter().find(|room| room.case.name == *name).expect("a room of that name");
-            let study = Planted { case: &room.case, strategy: *strategy, samples: *samples, subject: *subject };
+            let study = Plan {
+                case: &room.case,
+                strategy: *strategy,
+                samples: *samples,
+                subject: *subject,
+                planted: *planted,
+            };
             study.measure(seed, each, progress)
         })
         .collect()
 }
 
-struct Planted<'a> {
+struct Plan<'a> {
     case: &'a Case,
     strategy: Strategy,
     samples: u64,
     subject: Subject,
+    planted: Planted,
 }
 
 /// What one seed showed.
@@ -126,7 +154,7 @@ struct Found {
     turns: f64,
 }
 
-impl Planted<'_> {
+impl Plan<'_> {
     fn measure(&self, seed: u64, runs: u64, progress: &(dyn Fn(Progress) + Sync)) -> Result<PowerRow, TrialError> {
         let found: Vec<Found> = (0..runs)
             .into_par_iter()
@@ -153,6 +181,7 @@ impl Planted<'_> {
             case: self.case.name.clone(),
             strategy: self.strategy.name(),
             subject: self.subject,
+            planted: self.planted,
             samples: self.samples,
             replicates: REPLICATES,
             std_error,
@@ -173,19 +202,30 @@ impl Planted<'_> {
 
     fn one(&self, seed: u64, run: u64) -> Result<Found, TrialError> {
         let name = format!(
-            "calibration/power/{seed}/{}/{}/{}/{}/{run}",
+            "calibration/power/{seed}/{}/{}/{}/{}/{}/{run}",
             self.case.name,
             self.strategy,
             self.samples,
-            self.subject.name()
+            self.subject.name(),
+            self.planted.name()
         );
         let seed = seed_of(&name);
-        let outcome = self.run(seed, 0.0, None)?;
-        let (predicted, point, squared_error) = self.promise(&outcome);
+        let unshifted = self.run(seed, &[])?;
+        let exact: Vec<f64> =
+            unshifted.truths.iter().map(|truth| truth.irradiance.watts_per_square_metre()).collect();
+        let (predicted, point, squared_error) = self.promise(&unshifted, &exact);
         // Half the runs are shifted down.
         let sign = if run.is_multiple_of(2) { 1.0 } else { -1.0 };
         let is_caught = |part: f64| -> Result<bool, TrialError> {
-            let outcome = self.run(seed, sign * part * predicted, point)?;
+            let shift = sign * part * predicted;
+            let shifts: Vec<(f64, f64)> = (0..exact.len())
+                .map(|p| match self.planted {
+                    _ if point.is_some_and(|point| point != p) => (1.0, 0.0),
+                    Planted::Scaled => (1.0 + shift, 0.0),
+                    Planted::Added => (1.0, shift * exact[p]),
+                })
+                .collect();
+            let outcome = self.run(seed, &shifts)?;
             Ok(bias(&outcome).is_some_and(|judged| judged.verdict == Verdict::Fail))
         };
         let (mut missed, mut caught) = BRACKET;
@@ -199,7 +239,8 @@ impl Planted<'_> {
         Ok(Found { predicted, squared_error, turns: caught * predicted })
     }
 
-    fn run(&self, seed: u64, shift: f64, point: Option<usize>) -> Result<CaseOutcome, TrialError> {
+    /// - `shifts`: for each point a factor, and what is added after it, W/m²; none: nothing is planted
+    fn run(&self, seed: u64, shifts: &[(f64, f64)]) -> Result<CaseOutcome, TrialError> {
         let overrides = Overrides {
             strategies: Some(vec![self.strategy]),
             samples: Some(vec![self.samples]),
@@ -208,17 +249,16 @@ impl Planted<'_> {
         };
         let settings = Settings { seed, effort: Effort::Standard, overrides };
         let make: &trial::Maker = &|configuration, technique| {
-            Box::new(Shifted { inner: for_technique(configuration, technique), factor: 1.0 + shift, point })
+            Box::new(Shifted { inner: for_technique(configuration, technique), shifts: shifts.to_vec() })
         };
         let outcome = trial::run_with(std::slice::from_ref(self.case), &settings, make, &|_| ())?;
         Ok(outcome.cases.into_iter().next().expect("one case gives one outcome"))
     }
 
     /// What the verdict promises, where, and the squared relative standard error there.
-    fn promise(&self, outcome: &CaseOutcome) -> (f64, Option<usize>, f64) {
+    fn promise(&self, outcome: &CaseOutcome, exact: &[f64]) -> (f64, Option<usize>, f64) {
         let judged = bias(outcome);
         let cell = &outcome.strategies[0].cells[0];
-        let exact: Vec<f64> = outcome.truths.iter().map(|truth| truth.irradiance.watts_per_square_metre()).collect();
         match self.subject {
             Subject::Mean => {
                 let mean = exact.iter().sum::<f64>() / exact.len() as f64;
@@ -259,12 +299,11 @@ fn around_quantile(n: u64, quantile: f64, level: f64) -> (Option<u64>, Option<u6
     ((0..n).rev().find(is_low), (0..n).find(is_high))
 }
 
-/// A correct estimator whose estimates are multiplied.
+/// A correct estimator whose estimates are shifted on their way out.
 struct Shifted {
     inner: Box<dyn Estimator>,
-    factor: f64,
-    /// At one point only.
-    point: Option<usize>,
+    /// For each point a factor, and what is added after it, W/m².
+    shifts: Vec<(f64, f64)>,
 }
 
 impl Estimator for Shifted {
@@ -275,10 +314,8 @@ impl Estimator for Shifted {
     fn estimate(&self, job: &Job, scratch: &mut Scratch, estimates: &mut [f64]) {
         self.inner.estimate(job, scratch, estimates);
         let replicates = (job.replicates.end - job.replicates.start) as usize;
-        for (p, row) in estimates.chunks_exact_mut(replicates.max(1)).enumerate() {
-            if self.point.is_none_or(|point| point == p) {
-                row.iter_mut().for_each(|estimate| *estimate *= self.factor);
-            }
+        for (row, (factor, more)) in estimates.chunks_exact_mut(replicates.max(1)).zip(&self.shifts) {
+            row.iter_mut().for_each(|estimate| *estimate = factor * *estimate + more);
         }
     }
 }
@@ -300,7 +337,13 @@ mod tests {
     fn what_is_promised_is_caught() {
         let rooms = super::super::rooms::rooms();
         let room = rooms.iter().find(|room| room.case.name == "one lit point").unwrap();
-        let study = Planted { case: &room.case, strategy: Strategy::Random, samples: 4, subject: Subject::Mean };
+        let study = Plan {
+            case: &room.case,
+            strategy: Strategy::Random,
+            samples: 4,
+            subject: Subject::Mean,
+            planted: Planted::Scaled,
+        };
         let row = study.measure(7, 8, &|_| ()).unwrap();
         // With 99 % each, three misses in eight have a chance below 1e-4; two below 3e-3.
         assert!(row.caught >= 6, "{row:?}");
