@@ -34,7 +34,7 @@ impl Mixed {
         let [source] = configuration.sources() else { panic!("one source") };
         let Shape::Disk(disk) = source.shape() else { panic!("a disk") };
         assert!(configuration.occluders().is_empty());
-        Mixed { disk: disk.clone(), exitance: source.exitance().watts_per_square_metre(), weights }
+        Mixed { disk: *disk, exitance: source.exitance().watts_per_square_metre(), weights }
     }
 
     /// One ray of each kind.

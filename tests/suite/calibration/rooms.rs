@@ -68,7 +68,7 @@ const ROOMS: &[(&str, &str)] = &[
     (
         "two sources",
         r#"
-        source.disk = [{ center = [-0.8, 0.0, 2.0], normal = [0.0, 0.0, -1.0], radius = 0.4, exitance = 1.0 }]
+        source.disk = [{ center = [-0.8, 0.0, 2.0], normal = [0.0, 0.0, -1.0], radius = 0.4, exitance = 0.4 }]
         source.rectangle = [{ center = [0.9, 0.2, 1.6], edge_u = [0.5, 0.0, 0.0], edge_v = [0.0, -0.4, 0.0], exitance = 2.5 }]
         receiver.rectangle = { center = [0.0, 0.0, 0.0], edge_u = [4.0, 0.0, 0.0], edge_v = [0.0, 4.0, 0.0] }
         measure.line = { from = [-1.5, 0.0, 0.0], to = [1.5, 0.0, 0.0], points = 5 }
