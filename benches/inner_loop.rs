@@ -5,8 +5,8 @@
 use std::time::Instant;
 
 use etendue::configuration::{Arrangement, Configuration, MeasurementPoint, Source};
-use etendue::estimator::{AreaEstimator, Estimator, Job, Scratch};
-use etendue::geometry::{DVec3, Disk, Rectangle, Shape, Sphere};
+use etendue::estimator::{Job, Scratch, for_technique};
+use etendue::geometry::{DVec3, Disk, Polygon, Rectangle, Shape, Sphere};
 use etendue::radiometry::Exitance;
 use etendue::sampling::{Strategy, StreamKey};
 
@@ -22,16 +22,23 @@ fn main() {
         ("rectangle", room(square(2.0, 1.0), vec![])),
         ("rectangle behind rectangle", room(square(2.0, 1.0), vec![square(1.0, 0.7)])),
         ("disk behind disk", room(disk(2.0, 0.5), vec![disk(1.0, 0.35)])),
+        ("L", room(l_shape(), vec![])),
         ("sphere behind disk", room(ball, vec![disk(1.0, 0.35)])),
     ];
-    println!("{:<30} {:>12} {:>6} {:>10}", "room", "strategy", "N", "ns/sample");
+    println!("{:<30} {:>15} {:>6} {:>10}", "room", "strategy", "N", "ns/sample");
     for (name, room) in &rooms {
         for strategy in Strategy::ALL {
             for samples in [1, 16, 1024] {
-                println!("{name:<30} {strategy:>12} {samples:>6} {:>10.2}", nanoseconds(room, strategy, samples));
+                println!("{name:<30} {strategy:>15} {samples:>6} {:>10.2}", nanoseconds(room, strategy, samples));
             }
         }
     }
+}
+
+/// Facing down, with a re-entrant corner.
+fn l_shape() -> Shape {
+    let corners = [[0.0, 0.0], [0.0, 1.0], [0.5, 1.0], [0.5, 0.5], [1.0, 0.5], [1.0, 0.0]];
+    Shape::Polygon(Polygon::new(corners.map(|[x, y]| DVec3::new(x - 0.5, y - 0.5, 2.0)).to_vec()).unwrap())
 }
 
 /// 65 points from under the centre to beyond the shadow.
@@ -42,7 +49,7 @@ fn room(source: Shape, occluders: Vec<Shape>) -> Configuration {
 }
 
 fn nanoseconds(room: &Configuration, strategy: Strategy, samples: u64) -> f64 {
-    let estimator = AreaEstimator::new(room);
+    let estimator = for_technique(room, strategy.technique());
     let points = room.points();
     let replicates = SAMPLES_A_ROUND / (samples * points.len() as u64);
     let (mut scratch, mut estimates) = (Scratch::default(), vec![0.0; points.len() * 256]);

@@ -70,10 +70,22 @@
 //!
 //! # Limits
 //!
-//! Direct light of uniform Lambertian sources (disk, rectangle, polygon, sphere) on points of any pose, behind opaque
-//! occluders (the same shapes and meshes; the exact side slows down with the planes that a mesh's faces lie in, not with
-//! the faces). The variance that plans and judges is that of a pilot run of its own streams, taken on the high side, not
-//! yet a predicted one.
+//! Direct light of Lambertian sources (disk, rectangle, polygon, sphere) on points of any pose, behind opaque occluders (the
+//! same shapes and meshes). Estimators are judged on uniform sources; the exact side also takes an exitance that varies
+//! over the source (`ExitancePolynomial` in closed form, any function by `Oracle::by_quadrature_with`).
+//!
+//! The exact side takes a mesh that is not flat as one occluder, bounded by its silhouette as the point sees it: all edges
+//! are looked at for each point, and only those of the silhouette are crossed with the other outlines. A flat mesh is the
+//! outline of its merged faces. Where an occluder may cut into a sphere source the value comes from quadrature and says so;
+//! where outlines touch within rounding, what is in doubt counts in the bound.
+//!
+//! Also on the exact side, each within its own limits: where umbra and penumbra begin and end along a line
+//! ([`oracle::limits`]; `etendue exact --limits`), derivatives with respect to the numbers of a case
+//! ([`Oracle::derivatives`]; `etendue exact --derivative`), form factors between patches ([`oracle::patch`]), and a
+//! second witness that shares no contour code with the first ([`Oracle::by_quadrature`]).
+//!
+//! The variance that plans and judges is that of a pilot run of its own streams, taken on the high side, not yet a predicted
+//! one.
 #![forbid(unsafe_code)]
 
 pub mod calibration;

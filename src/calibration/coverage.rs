@@ -20,23 +20,27 @@ pub const LEAST_COVERAGE: f64 = 0.93;
 /// Rays that must be expected to arrive where an interval is printed.
 pub const ENOUGH_RAYS: f64 = 30.0;
 
-/// One kind of interval in one case under one strategy.
+/// One kind of interval, over all cases under one strategy or over all strategies in one case.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CoverageRow {
     /// `variance` (of a point at one N), `mean_variance` (over a region's points at one N), `slope`, `correlation`,
     /// `bias` (of the mean over the points at one N), `effect` (of a verdict, all N together).
     pub interval: &'static str,
-    pub case: String,
-    pub strategy: &'static str,
+    /// `None`: all.
+    pub case: Option<String>,
+    /// `None`: all.
+    pub strategy: Option<&'static str>,
     /// Whether [`ENOUGH_RAYS`] are expected to arrive.
     pub enough_rays: bool,
-    /// Places (points or regions, sample counts, separations) that were asked, each in every run.
+    /// Places (points or regions, sample counts, separations) that were asked, each in every run of its case and strategy.
     pub places: u64,
+    /// Runs in which any of them had an interval.
     pub runs: u64,
     pub nominal: f64,
-    /// Of runs × places, how many had an interval.
+    /// Intervals that were printed, and places that had none.
     pub printed: u64,
-    /// Of those, how many held the true value.
+    pub missing: u64,
+    /// Of the printed, how many held the true value.
     pub covered: u64,
     /// Share covered, and its 95 % limits (Clopper and Pearson, as though the places of a run all covered or all
     /// missed: they share their rays); `None` where nothing was printed.
@@ -49,6 +53,148 @@ pub struct CoverageRow {
     /// Fail: the coverage is below [`LEAST_COVERAGE`] by its upper limit, or at the worst place by its 99.9 % limit.
     /// Pass: it is above by its lower limit. `None` where too few rays arrive: nothing should be printed.
     pub verdict: Option<Verdict>,
+}
+
+/// Counts of one kind of interval in one case under one strategy.
+#[derive(Clone, Debug)]
+pub(super) struct Tally {
+    interval: &'static str,
+    enough_rays: bool,
+    case: String,
+    strategy: &'static str,
+    places: u64,
+    runs: u64,
+    printed: u64,
+    missing: u64,
+    covered: u64,
+    /// Lowest share of any one place, how often it was printed, and its name.
+    worst: Option<(f64, u64, String)>,
+}
+
+impl Tally {
+    fn of(case: &str, strategy: &'static str, interval: &'static str, enough_rays: bool, places: &[&Place]) -> Tally {
+        let n_runs = places.iter().map(|place| place.runs.len()).max().unwrap_or(0);
+        let any = |run: &usize| places.iter().any(|place| place.runs.get(*run).is_some_and(Option::is_some));
+        let mut tally = Tally {
+            interval,
+            enough_rays,
+            case: case.to_owned(),
+            strategy,
+            places: places.len() as u64,
+            runs: (0..n_runs).filter(any).count() as u64,
+            printed: 0,
+            missing: 0,
+            covered: 0,
+            worst: None,
+        };
+        for place in places {
+            let printed = place.runs.iter().flatten().count() as u64;
+            let covered = place.runs.iter().flatten().filter(|covered| **covered).count() as u64;
+            tally.printed += printed;
+            tally.covered += covered;
+            tally.missing += place.runs.len() as u64 - printed;
+            if printed > 0 {
+                let name = format!("{case}, {strategy}, {}", place.name);
+                tally.take_worse(&Some((covered as f64 / printed as f64, printed, name)));
+            }
+        }
+        tally
+    }
+
+    fn take_worse(&mut self, other: &Option<(f64, u64, String)>) {
+        if let Some((share, ..)) = other
+            && self.worst.as_ref().is_none_or(|(worst, ..)| share < worst)
+        {
+            self.worst.clone_from(other);
+        }
+    }
+
+    fn merge(&mut self, other: &Tally) {
+        self.places += other.places;
+        self.runs += other.runs;
+        self.printed += other.printed;
+        self.missing += other.missing;
+        self.covered += other.covered;
+        self.take_worse(&other.worst);
+    }
+
+    fn row(self, case: Option<String>, strategy: Option<&'static str>) -> CoverageRow {
+        let coverage = (self.printed > 0).then(|| self.covered as f64 / self.printed as f64);
+        let runs = self.runs as f64;
+        let limits = coverage.and_then(|share| clopper_pearson(share * runs, runs, 0.95));
+        let worst_is_too_low = self.worst.as_ref().is_some_and(|(share, printed, _)| {
+            let printed = *printed as f64;
+            upper_limit((share * printed).round(), printed, 0.999).is_some_and(|limit| limit < LEAST_COVERAGE)
+        });
+        let verdict = limits.filter(|_| self.enough_rays).map(|limits| {
+            if limits.high < LEAST_COVERAGE || worst_is_too_low {
+                Verdict::Fail
+            } else if limits.low >= LEAST_COVERAGE {
+                Verdict::Pass
+            } else {
+                Verdict::Undecided
+            }
+        });
+        CoverageRow {
+            interval: self.interval,
+            case,
+            strategy,
+            enough_rays: self.enough_rays,
+            places: self.places,
+            runs: self.runs,
+            nominal: NOMINAL,
+            printed: self.printed,
+            missing: self.missing,
+            covered: self.covered,
+            coverage,
+            low: limits.map(|limits| limits.low),
+            high: limits.map(|limits| limits.high),
+            worst: self.worst.as_ref().map(|(share, ..)| *share),
+            worst_place: self.worst.map_or(String::new(), |(.., name)| name),
+            verdict,
+        }
+    }
+}
+
+/// For each kind of interval, enough rays first: every strategy over all cases, then every case over all strategies.
+pub(super) fn rows(tallies: &[Tally]) -> Vec<CoverageRow> {
+    let mut kinds: Vec<(bool, &'static str)> = Vec::new();
+    for tally in tallies {
+        if !kinds.contains(&(tally.enough_rays, tally.interval)) {
+            kinds.push((tally.enough_rays, tally.interval));
+        }
+    }
+    kinds.sort_by_key(|(enough, _)| !enough);
+    let mut rows = Vec::new();
+    for (enough, interval) in kinds {
+        let of_it: Vec<&Tally> =
+            tallies.iter().filter(|tally| (tally.enough_rays, tally.interval) == (enough, interval)).collect();
+        rows.extend(merged(&of_it, |tally| tally.strategy).into_iter().map(|tally| {
+            let strategy = tally.strategy;
+            tally.row(None, Some(strategy))
+        }));
+        rows.extend(merged(&of_it, |tally| tally.case.as_str()).into_iter().map(|tally| {
+            let case = tally.case.clone();
+            tally.row(Some(case), None)
+        }));
+    }
+    rows
+}
+
+/// Those of one name added up, names in the order of their first appearance.
+fn merged<'a>(tallies: &[&'a Tally], name: impl Fn(&'a Tally) -> &'a str) -> Vec<Tally> {
+    let mut names: Vec<&str> = Vec::new();
+    let mut merged: Vec<Tally> = Vec::new();
+    for tally in tallies {
+        match names.iter().position(|known| *known == name(tally)) {
+            Some(at) => merged[at].merge(tally),
+            None => {
+                names.push(name(tally));
+                merged.push((*tally).clone());
+            }
+        }
+    }
+    merged
 }
 
 /// One interval, run after run.
@@ -65,11 +211,11 @@ struct Place {
 ///
 /// - `arriving`: share of rays that arrive at each point
 /// - `outcomes`: of the same case and the same one strategy, from different seeds
-pub(super) fn rows(case: &str, arriving: &[f64], outcomes: &[CaseOutcome]) -> Vec<CoverageRow> {
+pub(super) fn tallies(case: &str, arriving: &[f64], outcomes: &[CaseOutcome]) -> Vec<Tally> {
     let Some(first) = outcomes.first() else { return Vec::new() };
     let runs: Vec<&StrategyOutcome> = outcomes.iter().filter_map(|outcome| outcome.strategies.first()).collect();
-    let group = Group { truths: &first.truths, points: &first.points, arriving, runs: &runs };
-    let places = group.places();
+    let strategy = runs.first().map_or("", |run| run.strategy.name());
+    let places = Group { truths: &first.truths, points: &first.points, arriving, runs: &runs }.places();
     let mut kinds: Vec<(&'static str, bool)> = Vec::new();
     for place in &places {
         let kind = (place.interval, place.rays >= ENOUGH_RAYS);
@@ -77,73 +223,12 @@ pub(super) fn rows(case: &str, arriving: &[f64], outcomes: &[CaseOutcome]) -> Ve
             kinds.push(kind);
         }
     }
-    let strategy = runs.first().map_or("", |run| run.strategy.name());
-    kinds
-        .into_iter()
-        .map(|kind| {
-            let of_it: Vec<&Place> =
-                places.iter().filter(|place| (place.interval, place.rays >= ENOUGH_RAYS) == kind).collect();
-            row(case, strategy, kind, &of_it)
-        })
-        .collect()
-}
-
-fn row(
-    case: &str,
-    strategy: &'static str,
-    (interval, enough_rays): (&'static str, bool),
-    places: &[&Place],
-) -> CoverageRow {
-    let n_runs = places.iter().map(|place| place.runs.len()).max().unwrap_or(0);
-    let counts = |place: &Place| {
-        let printed = place.runs.iter().flatten().count() as f64;
-        (printed, place.runs.iter().flatten().filter(|covered| **covered).count() as f64)
+    let of = |(interval, enough): (&'static str, bool)| {
+        let of_it: Vec<&Place> =
+            places.iter().filter(|place| (place.interval, place.rays >= ENOUGH_RAYS) == (interval, enough)).collect();
+        Tally::of(case, strategy, interval, enough, &of_it)
     };
-    let (mut printed, mut covered) = (0.0, 0.0);
-    let mut worst: Option<(f64, f64, &str)> = None;
-    for place in places {
-        let (p, c) = counts(place);
-        printed += p;
-        covered += c;
-        if p > 0.0 && worst.is_none_or(|(share, ..)| c / p < share) {
-            worst = Some((c / p, p, &place.name));
-        }
-    }
-    let coverage = (printed > 0.0).then(|| covered / printed);
-    // Runs that had anything to print.
-    let independent = (0..n_runs)
-        .filter(|run| places.iter().any(|place| place.runs.get(*run).is_some_and(Option::is_some)))
-        .count();
-    let limits = coverage.and_then(|share| clopper_pearson(share * independent as f64, independent as f64, 0.95));
-    let worst_is_too_low = worst.is_some_and(|(share, printed, _)| {
-        upper_limit((share * printed).round(), printed, 0.999).is_some_and(|limit| limit < LEAST_COVERAGE)
-    });
-    let verdict = limits.filter(|_| enough_rays).map(|limits| {
-        if limits.high < LEAST_COVERAGE || worst_is_too_low {
-            Verdict::Fail
-        } else if limits.low >= LEAST_COVERAGE {
-            Verdict::Pass
-        } else {
-            Verdict::Undecided
-        }
-    });
-    CoverageRow {
-        interval,
-        case: case.to_owned(),
-        strategy,
-        enough_rays,
-        places: places.len() as u64,
-        runs: n_runs as u64,
-        nominal: NOMINAL,
-        printed: printed as u64,
-        covered: covered as u64,
-        coverage,
-        low: limits.map(|limits| limits.low),
-        high: limits.map(|limits| limits.high),
-        worst: worst.map(|(share, ..)| share),
-        worst_place: worst.map_or(String::new(), |(.., name)| name.to_owned()),
-        verdict,
-    }
+    kinds.into_iter().map(of).collect()
 }
 
 /// Runs of one case under one strategy.
@@ -375,7 +460,8 @@ mod tests {
 
     fn verdict_of(places: &[Place]) -> CoverageRow {
         let enough = places[0].rays >= ENOUGH_RAYS;
-        row("room", "random", ("variance", enough), &places.iter().collect::<Vec<_>>())
+        let tally = Tally::of("room", "random", "variance", enough, &places.iter().collect::<Vec<_>>());
+        rows(&[tally]).remove(0)
     }
 
     #[test]
@@ -387,7 +473,7 @@ mod tests {
         let many: Vec<Place> = (0..9).map(|_| place(990, 10, 0, 99.0)).chain([place(850, 150, 0, 99.0)]).collect();
         let found = verdict_of(&many);
         assert!(found.low.unwrap() > LEAST_COVERAGE && found.verdict == Some(Verdict::Fail));
-        assert_eq!((found.worst, found.worst_place.as_str()), (Some(0.85), "850"));
+        assert_eq!((found.worst, found.worst_place.as_str()), (Some(0.85), "room, random, 850"));
     }
 
     #[test]
@@ -402,11 +488,31 @@ mod tests {
     #[test]
     fn what_is_not_printed_is_not_counted_and_few_rays_are_not_judged() {
         let found = verdict_of(&[place(95, 5, 900, 99.0)]);
-        assert_eq!((found.printed, found.coverage), (100, Some(0.95)));
+        assert_eq!((found.printed, found.missing, found.coverage), (100, 900, Some(0.95)));
         let found = verdict_of(&[place(10, 90, 0, 3.0)]);
         assert_eq!((found.verdict, found.coverage), (None, Some(0.1)));
         let found = verdict_of(&[place(0, 0, 100, 99.0)]);
         assert_eq!((found.verdict, found.coverage, found.low), (None, None, None));
+    }
+
+    #[test]
+    fn every_strategy_and_every_case_has_its_row() {
+        let tally = |case: &str, strategy: &'static str, covered: usize| {
+            Tally::of(case, strategy, "variance", true, &[&place(covered, 100 - covered, 0, 99.0)])
+        };
+        let found = rows(&[tally("a", "random", 90), tally("a", "sobol", 100), tally("b", "random", 95)]);
+        let short = |row: &CoverageRow| (row.case.clone(), row.strategy, row.runs, row.covered);
+        let (a, b) = (Some("a".to_owned()), Some("b".to_owned()));
+        assert_eq!(
+            found.iter().map(short).collect::<Vec<_>>(),
+            [
+                (None, Some("random"), 200, 185),
+                (None, Some("sobol"), 100, 100),
+                (a, None, 200, 190),
+                (b, None, 100, 95)
+            ]
+        );
+        assert_eq!(found[0].worst_place, "a, random, 90");
     }
 
     #[test]

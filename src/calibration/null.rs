@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::Progress;
 use super::alarms::{self, AlarmRow, Alarms};
-use super::coverage::{self, CoverageRow};
+use super::coverage::{self, CoverageRow, Tally};
 use super::rooms::Room;
 use crate::sampling::Strategy;
 use crate::statistics::budget::seed_of;
@@ -31,7 +31,7 @@ pub(super) fn measure(
     progress: &(dyn Fn(Progress) + Sync),
 ) -> Result<Null, TrialError> {
     let mut counted: Vec<Alarms> = Vec::new();
-    let mut coverage = Vec::new();
+    let mut tallies: Vec<Tally> = Vec::new();
     for room in rooms {
         for strategy in Strategy::ALL {
             let outcomes: Vec<CaseOutcome> = (0..each)
@@ -50,10 +50,10 @@ pub(super) fn measure(
                 });
                 counted[at].add(judged.evidence);
             }
-            coverage.extend(coverage::rows(&room.case.name, &room.arriving, &outcomes));
+            tallies.extend(coverage::tallies(&room.case.name, room.arriving(strategy), &outcomes));
         }
     }
-    Ok(Null { alarms: alarms::rows(&counted), coverage })
+    Ok(Null { alarms: alarms::rows(&counted), coverage: coverage::rows(&tallies) })
 }
 
 fn one(room: &Room, strategy: Strategy, seed: u64, run: u64) -> Result<CaseOutcome, TrialError> {

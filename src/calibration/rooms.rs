@@ -1,5 +1,7 @@
 //! Small rooms: shipped cases with a few of their points each, so that a whole study takes a millisecond.
 
+use std::collections::BTreeMap;
+
 use crate::case::{Case, Replicates, SmallestBias, Study, shipped};
 use crate::configuration::{Arrangement, Configuration};
 use crate::estimator::{Estimator, Job, Scratch, for_technique};
@@ -9,8 +11,15 @@ use crate::statistics::budget::seed_of;
 /// A small case.
 pub(super) struct Room {
     pub case: Case,
-    /// The share of rays that arrive at each point, from places uniform on the sources.
-    pub arriving: Vec<f64>,
+    /// For each technique, the share of its rays that arrive at each point.
+    arriving: BTreeMap<Technique, Vec<f64>>,
+}
+
+impl Room {
+    /// The share of a strategy's rays that arrive at each point.
+    pub fn arriving(&self, strategy: Strategy) -> &[f64] {
+        &self.arriving[&strategy.technique()]
+    }
 }
 
 /// Name, the shipped case that it is a part of, which of its points, and how many replicates.
@@ -37,7 +46,7 @@ const PARTS: &[Part] = &[
 
 /// Samples of each source in a null run.
 pub(super) const SAMPLES: [u64; 3] = [1, 4, 16];
-/// Rays that `arriving` is counted from.
+/// Rays that shares are counted from.
 const COUNTED_RAYS: u64 = 1 << 16;
 
 /// All of them.
@@ -64,20 +73,23 @@ fn part((name, of, points, replicates): &Part) -> Room {
         smallest_bias: SmallestBias { mean: 1e9, point: 1e9 },
         ..Study::default()
     };
-    let arriving = arriving(&configuration, name, COUNTED_RAYS);
-    Room { case: Case::new(name, of, configuration, study), arriving }
+    let mut shares = BTreeMap::new();
+    for strategy in Strategy::ALL {
+        shares.entry(strategy.technique()).or_insert_with(|| arriving(&configuration, name, strategy));
+    }
+    Room { case: Case::new(name, of, configuration, study), arriving: shares }
 }
 
-/// The share of rays that arrive at each point, counted: which intervals have enough of them to be printed.
-fn arriving(configuration: &Configuration, name: &str, rays: u64) -> Vec<f64> {
-    let estimator: Box<dyn Estimator> = for_technique(configuration, Technique::Area);
+/// The share of a strategy's rays that arrive at each point, counted: which intervals have enough of them to be printed.
+fn arriving(configuration: &Configuration, name: &str, strategy: Strategy) -> Vec<f64> {
+    let estimator: Box<dyn Estimator> = for_technique(configuration, strategy.technique());
     let points = configuration.points();
-    let cell = StreamKey::root(seed_of(&format!("calibration/arriving/{name}")));
-    let job = Job { strategy: Strategy::Random, samples: 1, cell, replicates: 0..rays, points };
-    let mut estimates = vec![0.0; points.len() * rays as usize];
+    let cell = StreamKey::root(seed_of(&format!("calibration/arriving/{name}/{strategy}")));
+    let job = Job { strategy, samples: 1, cell, replicates: 0..COUNTED_RAYS, points };
+    let mut estimates = vec![0.0; points.len() * COUNTED_RAYS as usize];
     estimator.estimate(&job, &mut Scratch::default(), &mut estimates);
-    let share = |row: &[f64]| row.iter().filter(|x| **x > 0.0).count() as f64 / rays as f64;
-    estimates.chunks_exact(rays as usize).map(share).collect()
+    let share = |row: &[f64]| row.iter().filter(|x| **x > 0.0).count() as f64 / COUNTED_RAYS as f64;
+    estimates.chunks_exact(COUNTED_RAYS as usize).map(share).collect()
 }
 
 #[cfg(test)]
@@ -94,12 +106,14 @@ mod tests {
         };
         let named = |name: &str| rooms.iter().find(|room| room.case.name == name).unwrap();
         assert!(regions(named("umbra alone")).iter().all(|region| *region == Region::Umbra));
-        assert!(named("umbra alone").arriving.iter().all(|share| *share == 0.0));
+        assert!(named("umbra alone").arriving(Strategy::Random).iter().all(|share| *share == 0.0));
         let deep = named("deep penumbra");
         assert!(regions(deep).iter().all(|region| *region == Region::Penumbra));
-        assert!(deep.arriving[0] > 0.0 && deep.arriving[0] < 0.01, "{:?}", deep.arriving);
+        let share = deep.arriving(Strategy::Random)[0];
+        assert!(share > 0.0 && share < 0.01, "{share}");
+        assert!(deep.arriving(Strategy::Cosine)[0] < share, "directions must find the source first");
         assert!(regions(named("umbra to light")).contains(&Region::Lit));
-        assert_eq!(named("one lit point").arriving, [1.0]);
+        assert_eq!(named("one lit point").arriving(Strategy::Stratified), [1.0]);
         assert!(rooms.iter().any(|room| room.case.configuration.sources().len() == 2));
     }
 }

@@ -47,7 +47,9 @@ pub use place::Place;
 pub use render::Ink;
 pub use select::{SelectError, Unmatched, select};
 pub use shipped::{Shipped, shipped};
-pub use study::{Replicates, SmallestBias, Study};
+#[cfg(feature = "cli")]
+pub(crate) use spelling::nearest;
+pub use study::{Accepted, PROPERTIES, Replicates, SmallestBias, Study};
 
 /// One case, valid by construction.
 #[derive(Clone, Debug, PartialEq)]

@@ -350,7 +350,27 @@ pub const TOLERANCE: Key = key(
 
 /// How to study the case.
 pub const STUDIES: Table =
-    Table { path: "study", keys: &[STRATEGIES, SAMPLES, REPLICATES, SMALLEST_BIAS, TOLERANCE] };
+    Table { path: "study", keys: &[STRATEGIES, SAMPLES, REPLICATES, SMALLEST_BIAS, TOLERANCE, ACCEPTED] };
+
+pub const ACCEPTED: Key = key(
+    "accepted",
+    Value::Tables(&ACCEPTANCE),
+    "",
+    NONE,
+    "A deviation that is known and accepted: a verdict that fails by no more passes, and says so.",
+);
+pub const PROPERTY: Key = key("property", Value::Text, "", Need::Required, "bias, variance or covariance.");
+pub const OF_STRATEGY: Key =
+    key("strategy", Value::Text, "", Need::Default("every strategy"), "The strategy that deviates.");
+pub const SIZE: Key = key(
+    "size",
+    Value::Number,
+    "",
+    Need::Required,
+    "Relative, greater than 0; the failure's whole 95 % interval must lie within.",
+);
+pub const REASON: Key = key("reason", Value::Text, "", Need::Required, "Why it is accepted, for the report.");
+pub const ACCEPTANCE: Table = Table { path: "study.accepted", keys: &[PROPERTY, OF_STRATEGY, SIZE, REASON] };
 
 pub const MEAN: Key = key("mean", Value::Number, "", Need::Default("1e-2"), "Relative, of the mean over the points.");
 pub const AT_POINT: Key = key(
@@ -380,7 +400,7 @@ mod tests {
     fn every_key_has_one_meaning_and_stands_in_the_documentation() {
         let mut tables = Vec::new();
         tables_below(&ROOT, &mut tables);
-        assert_eq!(tables.len(), 22);
+        assert_eq!(tables.len(), 23);
         let text = ROOT.to_string();
         for table in tables {
             for (at, key) in table.keys.iter().enumerate() {

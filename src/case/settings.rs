@@ -4,7 +4,7 @@ use toml::de::DeValue;
 
 use super::error::CaseError;
 use super::schema::{self, Key, MAX_COUNT};
-use super::study::{Replicates, SmallestBias, Study};
+use super::study::{Accepted, PROPERTIES, Replicates, SmallestBias, Study};
 use super::walk::{Log, Node};
 use crate::sampling::Strategy;
 
@@ -30,7 +30,28 @@ pub(super) fn study(node: &Node, log: &mut Log) -> Study {
         replicates: replicates(node, log).unwrap_or(default.replicates),
         smallest_bias: smallest_bias(node, default.smallest_bias, log),
         tolerance: tolerance(node, log).unwrap_or(default.tolerance),
+        accepted: accepted(node, log),
     }
+}
+
+fn accepted(node: &Node, log: &mut Log) -> Vec<Accepted> {
+    let tables = node.tables(&schema::ACCEPTED, &schema::ACCEPTANCE, log);
+    let one = |table: &Node, log: &mut Log| {
+        let property =
+            table.raw(&schema::PROPERTY).and_then(|v| table.name_among(&schema::PROPERTY, v, &PROPERTIES, log));
+        let names = Strategy::ALL.map(Strategy::name);
+        let strategy = match table.raw(&schema::OF_STRATEGY) {
+            Some(value) => {
+                Some(table.name_among(&schema::OF_STRATEGY, value, &names, log).and_then(Strategy::from_name)?)
+            }
+            None => None,
+        };
+        let wanted = "a relative deviation greater than 0";
+        let size = number_within(table, &schema::SIZE, |said| said > 0.0, wanted, log);
+        let reason = table.text(&schema::REASON, log);
+        Some(Accepted { property: property?, strategy, size: size?, reason: reason?.to_owned() })
+    };
+    tables.iter().filter_map(|table| one(table, log)).collect()
 }
 
 fn replicates(node: &Node, log: &mut Log) -> Option<Replicates> {

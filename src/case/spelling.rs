@@ -2,7 +2,7 @@
 
 /// The candidate nearest to what was said, if it is near enough to be a slip: at most a third of its letters off.
 /// Of equally near ones, the first.
-pub(super) fn nearest<'c>(said: &str, candidates: impl IntoIterator<Item = &'c str>) -> Option<&'c str> {
+pub(crate) fn nearest<'c>(said: &str, candidates: impl IntoIterator<Item = &'c str>) -> Option<&'c str> {
     let said = said.to_lowercase();
     candidates
         .into_iter()

@@ -30,7 +30,24 @@ pub struct Study {
     pub smallest_bias: SmallestBias,
     /// Relative; a deviation up to this is no fault.
     pub tolerance: f64,
+    /// Deviations that are known and accepted.
+    pub accepted: Vec<Accepted>,
 }
+
+/// A deviation that is known and accepted: a verdict that fails by no more than it passes, and says so.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Accepted {
+    /// `bias`, `variance` or `covariance`.
+    pub property: &'static str,
+    /// `None`: every strategy.
+    pub strategy: Option<Strategy>,
+    /// Relative; the failure's whole 95 % interval must lie within.
+    pub size: f64,
+    pub reason: String,
+}
+
+/// What can be accepted.
+pub const PROPERTIES: [&str; 3] = ["bias", "variance", "covariance"];
 
 impl Default for Study {
     fn default() -> Study {
@@ -40,6 +57,7 @@ impl Default for Study {
             replicates: Replicates::Auto,
             smallest_bias: SmallestBias { mean: 1e-2, point: 1e-1 },
             tolerance: 0.0,
+            accepted: Vec::new(),
         }
     }
 }

@@ -3,7 +3,8 @@
 use std::io::{IsTerminal, Write};
 
 use super::exit;
-use super::options::{Calibrate, Check, Exact, List, Run};
+use super::explain;
+use super::options::{Calibrate, Check, Exact, Explain, List, Plan, Run};
 use super::progress::{Bar, RunBar};
 use crate::calibration;
 use crate::case::{self, Case, Ink, SelectError};
@@ -44,15 +45,16 @@ pub fn run(options: &Run) -> u8 {
 }
 
 fn run_to_end(options: &Run) -> Result<u8, u8> {
-    let cases = select(&options.cases)?;
+    let cases = select(&options.work.cases)?;
     report::claim(&options.out).map_err(|error| fault(exit::OUTPUT, error))?;
-    set_threads(options.threads)?;
+    set_threads(options.work.threads)?;
+    let settings = options.work.settings();
     let bar = Bar::new(cases.len(), options.quiet);
-    let mut outcome = trial::run(&cases, &options.settings(), &|progress| bar.show(progress))
-        .map_err(|error| fault(exit::BUG, error))?;
+    let mut outcome =
+        trial::run(&cases, &settings, &|progress| bar.show(progress)).map_err(|error| fault(exit::BUG, error))?;
     bar.finish();
-    let selectors: Vec<&str> = options.cases.iter().map(String::as_str).collect();
-    outcome.command = options.settings().command(&selectors, None);
+    let selectors: Vec<&str> = options.work.cases.iter().map(String::as_str).collect();
+    outcome.command = settings.command(&selectors, None);
     report::write(&options.out, &outcome, &ReportOptions { generator: GENERATOR, plots: !options.no_plots })
         .map_err(|error| fault(exit::OUTPUT, error))?;
     let styled = anstream::AutoStream::choice(&std::io::stdout()) != anstream::ColorChoice::Never;
@@ -74,6 +76,56 @@ fn set_threads(threads: Option<u16>) -> Result<(), u8> {
     let Some(threads) = threads else { return Ok(()) };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads));
     pool.build_global().map_err(|error| fault(exit::BUG, error))
+}
+
+pub fn plan(options: &Plan) -> u8 {
+    plan_to_end(options).unwrap_or_else(|code| code)
+}
+
+fn plan_to_end(options: &Plan) -> Result<u8, u8> {
+    let cases = select(&options.work.cases)?;
+    set_threads(options.work.threads)?;
+    let forecasts = trial::forecast(&cases, &options.work.settings());
+    if options.json {
+        let rows: Vec<_> = forecasts
+            .iter()
+            .map(|plan| {
+                let cells: Vec<_> = plan
+                    .cells
+                    .iter()
+                    .map(|(samples, replicates)| serde_json::json!({ "samples": samples, "replicates": replicates }))
+                    .collect();
+                serde_json::json!({
+                    "case": plan.case,
+                    "strategy": plan.strategy.name(),
+                    "cells": cells,
+                    "rays": plan.rays,
+                    "seconds": plan.seconds,
+                    "smallest_bias_mean": plan.smallest_bias_mean,
+                    "smallest_bias_point": plan.smallest_bias_point,
+                    "suffices": plan.suffices,
+                    "variances_predicted": plan.predicted,
+                })
+            })
+            .collect();
+        print(&format!("{:#}\n", serde_json::json!({ "schema_version": 1, "plans": rows })))?;
+    } else {
+        print(&report::forecast_table(&forecasts, rayon::current_num_threads()))?;
+    }
+    let all = forecasts.iter().all(|plan| plan.suffices);
+    Ok(if all || options.work.replicates.is_none() { exit::PASSED } else { exit::UNDECIDED })
+}
+
+pub fn explain(options: &Explain) -> u8 {
+    explain_to_end(options).map_or_else(|code| code, |()| exit::PASSED)
+}
+
+fn explain_to_end(options: &Explain) -> Result<(), u8> {
+    let Some(name) = &options.name else { return print(&explain::contents()) };
+    match explain::text(name) {
+        Some(text) => print(&text),
+        None => Err(fault(exit::USAGE, explain::unknown(name))),
+    }
 }
 
 /// Columns of the terminal, or enough for any table in a log.

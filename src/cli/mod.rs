@@ -1,6 +1,7 @@
 //! The command line: words in, an exit code out. No arithmetic.
 
 mod commands;
+mod explain;
 mod options;
 mod progress;
 
@@ -34,6 +35,8 @@ pub fn main() -> ExitCode {
         Some(options::Command::Check(check)) => commands::check(&check),
         Some(options::Command::Exact(exact)) => commands::exact(&exact),
         Some(options::Command::Calibrate(calibrate)) => commands::calibrate(&calibrate),
+        Some(options::Command::Plan(plan)) => commands::plan(&plan),
+        Some(options::Command::Explain(explain)) => commands::explain(&explain),
         Some(options::Command::Run(run)) => commands::run(&run),
         None => commands::run(&options.run),
     };

@@ -47,17 +47,18 @@ pub enum Command {
     /// Measure the gate itself: false alarms, coverage of intervals, power (minutes)
     #[command(after_help = "Exit codes: 0, or 1 where a figure misses its bar for certain.")]
     Calibrate(Calibrate),
+    /// What a run would cost and could see, before it is spent
+    Plan(Plan),
+    /// A verdict, a strategy, a case or a word of the reports: what it means, and what it does not say
+    Explain(Explain),
 }
 
-/// Options of `run`.
+/// Which cases, and how hard to look: what moves numbers.
 #[derive(Args, Debug)]
-pub struct Run {
+pub struct Work {
     /// Case files, folders, or names (whole, a part, or a pattern) of shipped cases; none: all shipped cases
     #[arg(value_name = "CASE")]
     pub cases: Vec<String>,
-    /// Folder that the report is written to
-    #[arg(long, value_name = "DIR", default_value = "reports/latest")]
-    pub out: PathBuf,
     /// A quick look: five times coarser, at most 64 samples
     #[arg(long, conflicts_with = "thorough")]
     pub quick: bool,
@@ -83,6 +84,16 @@ pub struct Run {
     /// Threads (default: one for each core); the numbers do not depend on it
     #[arg(long, value_name = "T", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
+}
+
+/// Options of `run`.
+#[derive(Args, Debug)]
+pub struct Run {
+    #[command(flatten)]
+    pub work: Work,
+    /// Folder that the report is written to
+    #[arg(long, value_name = "DIR", default_value = "reports/latest")]
+    pub out: PathBuf,
     /// Print only failures and the summary
     #[arg(long, short)]
     pub quiet: bool,
@@ -94,8 +105,8 @@ pub struct Run {
     pub no_plots: bool,
 }
 
-impl Run {
-    /// What the run is to do to the cases' own studies.
+impl Work {
+    /// What a run is to do to the cases' own studies.
     pub fn settings(&self) -> Settings {
         let effort = match (self.quick, self.thorough) {
             (true, _) => Effort::Quick,
@@ -110,6 +121,22 @@ impl Run {
         };
         Settings { seed: self.seed, effort, overrides }
     }
+}
+
+#[derive(Args, Debug)]
+pub struct Plan {
+    #[command(flatten)]
+    pub work: Work,
+    /// Machine-readable
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Args, Debug)]
+pub struct Explain {
+    /// verdict, bias, variance, covariance, rate, correlation, region, a strategy, or a shipped case; none: what there is
+    #[arg(value_name = "NAME")]
+    pub name: Option<String>,
 }
 
 #[derive(Args, Debug)]

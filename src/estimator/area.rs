@@ -13,15 +13,13 @@ use std::f64::consts::PI;
 use std::num::NonZero;
 use std::sync::Arc;
 
-use glam::DVec3;
-
+use super::draws::add_lanes;
 use super::{Estimator, Job};
 use crate::configuration::{Configuration, MeasurementPoint};
-use crate::geometry::Shape;
 use crate::sampling::{
     BLOCK, LANES, Lanes, Pattern, Row, Squares, StreamKey, Surface, SurfaceBlock, fill_side_by_side, groups,
 };
-use crate::scene::{Blocker, ShadowRays};
+use crate::scene::{Blocker, ShadowRays, Surroundings};
 
 /// Estimates irradiance at any point of a configuration.
 pub struct AreaEstimator {
@@ -30,7 +28,7 @@ pub struct AreaEstimator {
 }
 
 /// A source, and what can come between it and a shading point.
-struct Emitter {
+pub(super) struct Emitter {
     surface: Surface,
     /// Area × exitance / π, W/sr.
     strength: f64,
@@ -50,7 +48,7 @@ pub struct Scratch {
 }
 
 /// Rays of one block from one point, and what each brings.
-struct Shading {
+pub(super) struct Shading {
     rays: ShadowRays,
     contributions: Row,
 }
@@ -64,22 +62,22 @@ impl Default for Shading {
 impl AreaEstimator {
     /// Prepares surfaces and hierarchies.
     pub fn new(configuration: &Configuration) -> AreaEstimator {
-        let reach = reach(configuration);
-        let blocker = |shape: &Shape| Arc::new(Blocker::new(shape, reach));
-        let occluders: Vec<_> = configuration.occluders().iter().map(blocker).collect();
-        let sources: Vec<_> = configuration.sources().iter().map(|source| blocker(source.shape())).collect();
-        let emitters = configuration.sources().iter().enumerate().map(|(own, source)| {
-            let surface = Surface::new(source.shape()).expect("a source is no mesh");
-            // A source does not block itself: a flat one cannot, a sphere's far side is the cosine's business.
-            let others = sources.iter().enumerate().filter(|(other, _)| *other != own).map(|(_, blocker)| blocker);
-            Emitter {
-                strength: surface.area() * source.exitance().watts_per_square_metre() / PI,
-                surface,
-                blockers: others.chain(&occluders).cloned().collect(),
-            }
-        });
-        AreaEstimator { emitters: emitters.collect(), arch: pulp::Arch::new() }
+        let emitters = emitters(configuration, &Surroundings::new(configuration));
+        AreaEstimator { emitters, arch: pulp::Arch::new() }
     }
+}
+
+/// The sources, each with what stands before it.
+pub(super) fn emitters(configuration: &Configuration, surroundings: &Surroundings) -> Vec<Emitter> {
+    let emitters = configuration.sources().iter().enumerate().map(|(own, source)| {
+        let surface = Surface::new(source.shape()).expect("a source is no mesh");
+        Emitter {
+            strength: surface.area() * source.exitance().watts_per_square_metre() / PI,
+            surface,
+            blockers: surroundings.before(own),
+        }
+    });
+    emitters.collect()
 }
 
 impl Estimator for AreaEstimator {
@@ -235,6 +233,12 @@ impl Place<'_> {
 }
 
 impl Shading {
+    /// cosθᵢ cosθₛ / r² · Vis of one point, per square metre.
+    #[inline(always)]
+    pub(super) fn contribution(&self, group: usize, lane: usize) -> f64 {
+        self.contributions[group][lane]
+    }
+
     /// Adds a block's contributions to the lanes of a sum.
     #[inline(always)]
     fn add_to(&self, sum: &mut [f64; LANES], len: usize) {
@@ -247,13 +251,30 @@ impl Shading {
 }
 
 impl Emitter {
+    /// Square metres.
+    pub(super) fn area(&self) -> f64 {
+        self.surface.area()
+    }
+
+    /// Puts the first `len` points of a block on the source.
+    #[inline(always)]
+    pub(super) fn place(&self, squares: &Squares, len: usize, places: &mut SurfaceBlock) {
+        self.surface.place(squares, len, places);
+    }
+
     /// Sets the contributions of one block of source points to cosθᵢ cosθₛ / r² · Vis.
     #[expect(
         clippy::needless_range_loop,
         reason = "one index over several rows is what the compiler makes vectors of"
     )]
     #[inline(always)]
-    fn illuminate(&self, point: &MeasurementPoint, places: &SurfaceBlock, len: usize, shading: &mut Shading) {
+    pub(super) fn illuminate(
+        &self,
+        point: &MeasurementPoint,
+        places: &SurfaceBlock,
+        len: usize,
+        shading: &mut Shading,
+    ) {
         let offset = self.surface.origin() - point.position();
         let normal = point.normal();
         let Shading { rays, contributions } = shading;
@@ -297,32 +318,14 @@ impl Emitter {
     }
 }
 
-/// The lanes of a sum, added in a fixed order.
-fn add_lanes(lanes: &[f64; LANES]) -> f64 {
-    let [a, b, c, d, e, f, g, h] = *lanes;
-    ((a + e) + (c + g)) + ((b + f) + (d + h))
-}
-
-/// A box that holds every shading point and every source: all ends of all shadow rays, metres.
-fn reach(configuration: &Configuration) -> (DVec3, DVec3) {
-    let mut reach = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    for source in configuration.sources() {
-        let (low, high) = source.shape().bounds();
-        reach = (reach.0.min(low), reach.1.max(high));
-    }
-    for point in configuration.points() {
-        reach = (reach.0.min(point.position()), reach.1.max(point.position()));
-    }
-    reach
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::configuration::{Arrangement, Source};
-    use crate::geometry::{Disk, Rectangle, Sphere};
+    use crate::geometry::{Disk, Rectangle, Shape, Sphere};
     use crate::radiometry::Exitance;
-    use crate::sampling::Strategy;
+    use crate::sampling::{Strategy, Technique};
+    use glam::DVec3;
 
     fn over_the_origin(shape: Shape, occluders: Vec<Shape>) -> Configuration {
         let source = Source::new(shape, Exitance::new(2.0)).unwrap();
@@ -342,6 +345,10 @@ mod tests {
         (mean, ((squares / replicates as f64 - mean * mean) / replicates as f64).sqrt())
     }
 
+    fn by_area() -> impl Iterator<Item = Strategy> {
+        Strategy::ALL.into_iter().filter(|strategy| strategy.technique() == Technique::Area)
+    }
+
     fn disk(z: f64, radius: f64) -> Shape {
         Shape::Disk(Disk::new(DVec3::Z * z, -DVec3::Z, radius).unwrap())
     }
@@ -350,7 +357,7 @@ mod tests {
     fn every_strategy_finds_the_coaxial_disk() {
         // R² / (R² + h²) with R = 1, h = 2: 1/5 of 2 W/m².
         let configuration = over_the_origin(disk(2.0, 1.0), vec![]);
-        for strategy in Strategy::ALL {
+        for strategy in by_area() {
             for samples in [1, 7, 64, 200] {
                 let (mean, error) = measure(&configuration, strategy, samples, 2_000);
                 assert!((mean - 0.4).abs() < 6.0 * error, "{strategy} N = {samples}: {mean} ± {error}");
@@ -391,7 +398,7 @@ mod tests {
         let twice =
             Configuration::new(vec![source], vec![], None, vec![point, point], Arrangement::Scattered).unwrap();
         let estimator = AreaEstimator::new(&twice);
-        for strategy in Strategy::ALL {
+        for strategy in by_area() {
             let mut out = [0.0; 2];
             let job =
                 Job { strategy, samples: 16, cell: StreamKey::root(1), replicates: 0..1, points: twice.points() };
@@ -405,7 +412,7 @@ mod tests {
         let ball = Shape::Sphere(Sphere::new(DVec3::new(0.2, 0.1, 2.0), 0.6).unwrap());
         let room = over_the_origin(ball, vec![disk(1.0, 0.25)]);
         let estimator = AreaEstimator::new(&room);
-        for strategy in Strategy::ALL {
+        for strategy in by_area() {
             for samples in [1, 2, 4, 8] {
                 let cell = StreamKey::root(9);
                 let all = Job { strategy, samples, cell, replicates: 5..305, points: room.points() };

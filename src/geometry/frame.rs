@@ -2,6 +2,8 @@
 
 use glam::DVec3;
 
+use crate::number::Vector;
+
 /// Three unit vectors, mutually perpendicular, with `tangent × bitangent = normal`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
@@ -18,14 +20,8 @@ impl Frame {
     /// - error: the axes are orthonormal to a few units in the last place
     /// - source: Duff et al., *Building an Orthonormal Basis, Revisited*, JCGT 6(1), 2017, listing 3
     pub fn around(normal: DVec3) -> Frame {
-        let sign = 1.0_f64.copysign(normal.z);
-        let a = -1.0 / (sign + normal.z);
-        let b = normal.x * normal.y * a;
-        Frame {
-            tangent: DVec3::new(1.0 + sign * normal.x * normal.x * a, sign * b, -sign * normal.x),
-            bitangent: DVec3::new(b, sign + normal.y * normal.y * a, -normal.y),
-            normal,
-        }
+        let (tangent, bitangent) = Vector::<f64>::constant(normal).frame();
+        Frame { tangent: tangent.primal(), bitangent: bitangent.primal(), normal }
     }
 }
 

@@ -4,12 +4,14 @@
 
 mod frame;
 mod mesh;
+pub mod partition;
 mod polygon;
 mod shape;
 pub mod solid_angle;
 
 pub use frame::Frame;
 pub use mesh::Mesh;
+pub use partition::Partition;
 pub use polygon::Polygon;
 pub use shape::{Disk, Rectangle, Shape, ShapeError, Sphere, Triangle};
 pub(crate) use shape::{finite as finite_point, positive, unit};

@@ -59,15 +59,35 @@ enum Field {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ParameterError {
+    /// No such path in any case.
     #[error(
         "`{said}` names no number of a case; accepted are source.N.FIELD, occluder.N.FIELD and point.FIELD with the fields \
          center, position, normal, edge_u, edge_v, vertices.K (each followed by .x, .y or .z), radius and exitance"
     )]
-    Path { said: String },
+    Path {
+        /// The parameter as it was given.
+        said: String,
+    },
+    /// No source or occluder has that number.
     #[error("`{said}`: there are {count} {kind}s, counted from 0")]
-    Missing { said: String, kind: &'static str, count: usize },
+    Missing {
+        /// The parameter as it was given.
+        said: String,
+        /// `source` or `occluder`.
+        kind: &'static str,
+        /// How many of them the configuration has.
+        count: usize,
+    },
+    /// A shape without that field.
     #[error("`{said}`: a {shape} has {accepted}")]
-    Field { said: String, shape: &'static str, accepted: String },
+    Field {
+        /// The parameter as it was given.
+        said: String,
+        /// The shape's kind, as in a case file.
+        shape: &'static str,
+        /// The fields that it has.
+        accepted: String,
+    },
 }
 
 impl FromStr for Parameter {
@@ -160,10 +180,12 @@ impl Side {
 /// The irradiance at one point with its derivatives.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Derivatives {
+    /// The value itself, as [`Oracle::at`] gives it.
     pub truth: Truth,
     /// One for each parameter; W/m² per unit of the parameter. `None` where the irradiance has no closed form, or outlines
     /// touch in a way that leaves its slopes undecided.
     pub values: Option<Vec<f64>>,
+    /// Whether they are the derivatives of moves both ways.
     pub side: Side,
 }
 

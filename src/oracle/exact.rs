@@ -10,6 +10,7 @@ use super::piece::Piece;
 use super::point_factor::{self, Factor};
 use super::quadrature::{self, Strips};
 use super::truth::{Method, Region, Sight, Truth};
+use super::variance::Chart;
 use crate::configuration::{Configuration, MeasurementPoint, Source};
 use crate::number::{Number, Vector, Wide};
 use crate::radiometry::{FormFactor, Irradiance};
@@ -35,6 +36,10 @@ pub struct Oracle {
 #[derive(Clone, Debug)]
 pub(super) struct Emitter {
     pub(super) body: Body,
+    /// Of the unit square that its samples are drawn from, metres.
+    pub(super) chart: Chart,
+    /// m².
+    pub(super) area: f64,
     /// W/m².
     pub(super) exitance: f64,
 }
@@ -128,6 +133,7 @@ pub(super) fn is_annular(sources: &[Seen]) -> bool {
 }
 
 impl Oracle {
+    /// Prepares all shapes once, for any number of points.
     pub fn new(configuration: &Configuration) -> Oracle {
         let shapes = || configuration.sources().iter().map(Source::shape).chain(configuration.occluders());
         let largest = shapes()
@@ -138,13 +144,20 @@ impl Oracle {
             .fold(f64::MIN_POSITIVE, f64::max);
         let scale = (-largest.log2().ceil()).clamp(-1000.0, 1000.0).exp2();
         let emitter = |source: &Source| {
-            let bodies = Body::of_shape(source.shape(), scale);
+            let shape = source.shape();
             let exitance = source.exitance().watts_per_square_metre();
-            bodies.into_iter().map(move |body| Emitter { body, exitance })
+            // A source is no mesh: one body, and a chart.
+            let body = Body::of_shape(shape, scale).pop()?;
+            Some(Emitter { body, chart: Chart::of(shape)?, area: shape.area(), exitance })
         };
         let of_occluder = |(i, shape)| Body::of_shape(shape, scale).into_iter().map(move |body| (body, i));
         let (occluders, occluder_of) = configuration.occluders().iter().enumerate().flat_map(of_occluder).unzip();
-        Oracle { scale, sources: configuration.sources().iter().flat_map(emitter).collect(), occluders, occluder_of }
+        Oracle {
+            scale,
+            sources: configuration.sources().iter().filter_map(emitter).collect(),
+            occluders,
+            occluder_of,
+        }
     }
 
     /// The exact irradiance at a point, with its bound.

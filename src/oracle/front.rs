@@ -15,7 +15,6 @@ pub(super) struct Front<'a> {
     keep: HalfSpace,
 }
 
-#[expect(clippy::large_enum_variant, reason = "lives for one match, where a box would cost an allocation")]
 pub(super) enum Blocking {
     None,
     Part {
@@ -57,7 +56,6 @@ impl Front<'_> {
         if keep.dot(center) + self.keep.k <= -occluder.reach || self.is_beside(center, occluder.reach) {
             return Blocking::None;
         }
-        let clipped = || (Piece::of_occluder(&Form::plain(occluder, eye), Some(self.keep)), true);
         let (piece, is_clipped) = match (&self.source.figure, &occluder.figure) {
             (Figure::Ball { .. }, Figure::Ball { radius }) => {
                 let between = self.center.distance(center);
@@ -89,7 +87,7 @@ impl Front<'_> {
             {
                 return Blocking::Within;
             }
-            _ => clipped(),
+            _ => (Piece::of_occluder(&Form::plain(occluder, eye), Some(self.keep)), true),
         };
         piece.map_or(Blocking::None, |piece| Blocking::Part { piece, is_clipped })
     }

@@ -4,7 +4,16 @@
 //!
 //! [`Oracle`] answers for one configuration. A source and its occluders are taken as sets of directions; the visible
 //! part's form factor is a sum of contour integrals over great-circle arcs (straight edges) and circular arcs (rims and
-//! silhouettes), each in closed form.
+//! silhouettes), each in closed form. A mesh that is not flat is one occluder, bounded by the edges of its silhouette.
+//!
+//! | question | answer |
+//! |---|---|
+//! | irradiance at a point, how much of the sources it sees | [`Oracle::at`]; where there is no closed form, by quadrature, and it says so |
+//! | the same without any of the contour code | [`Oracle::by_quadrature`], the second witness: strips across each source |
+//! | with an exitance that varies over the source | [`ExitancePolynomial`] (a rectangle, nothing in the way); [`Oracle::by_quadrature_with`] |
+//! | derivatives with respect to the numbers of a case | [`Oracle::derivatives`]: the same contours over dual numbers |
+//! | where shadows begin and end along a line | [`limits::limits`] |
+//! | form factors between patches, means over a patch | [`patch`] |
 
 mod body;
 mod crossing;
@@ -28,6 +37,7 @@ mod silhouette;
 mod surface;
 mod trigonometric;
 mod truth;
+pub mod variance;
 
 pub use derivative::{Derivatives, Parameter, ParameterError, Parameters, Side};
 pub use exact::Oracle;

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use super::form::{FlatForm, Form};
 use super::piece::{Curve, Piece};
 use super::rim::{Rim, Term};
-use crate::number::{Number, Vector};
+use crate::number::{GAUSS_8, Number, Vector};
 
 /// A form factor and a bound on the error of its `f64`; pure numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -164,18 +164,6 @@ fn small_flat<T: Number>(n: Vector<T>, flat: &FlatForm<T>) -> Factor<T> {
     let value = sum.abs() / (T::turn() * 0.5);
     Factor { value, bound: STEPS * f64::EPSILON / PI * size * condition }
 }
-
-/// Gauss–Legendre nodes and weights on [0, 1], order 8 (Abramowitz and Stegun, table 25.4, halved).
-const GAUSS_8: [(f64, f64); 8] = [
-    (0.5 - 0.5 * 0.960_289_856_497_536_3, 0.5 * 0.101_228_536_290_376_26),
-    (0.5 - 0.5 * 0.796_666_477_413_626_7, 0.5 * 0.222_381_034_453_374_48),
-    (0.5 - 0.5 * 0.525_532_409_916_329, 0.5 * 0.313_706_645_877_887_3),
-    (0.5 - 0.5 * 0.183_434_642_495_649_8, 0.5 * 0.362_683_783_378_362),
-    (0.5 + 0.5 * 0.183_434_642_495_649_8, 0.5 * 0.362_683_783_378_362),
-    (0.5 + 0.5 * 0.525_532_409_916_329, 0.5 * 0.313_706_645_877_887_3),
-    (0.5 + 0.5 * 0.796_666_477_413_626_7, 0.5 * 0.222_381_034_453_374_48),
-    (0.5 + 0.5 * 0.960_289_856_497_536_3, 0.5 * 0.101_228_536_290_376_26),
-];
 
 /// The only curve of a whole disk.
 fn whole_rim<T>(piece: &Piece<T>) -> Option<&Rim<T>> {

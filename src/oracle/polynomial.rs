@@ -24,11 +24,11 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use super::body::Body;
-use super::quadrature::rule::gauss_10;
 use super::quadrature::visible_weighted;
 use super::truth::{Method, Region, Truth};
 use crate::configuration::MeasurementPoint;
 use crate::geometry::{Rectangle, Shape};
+use crate::number::gauss_10;
 use crate::radiometry::{Exitance, Flux, FormFactor, Irradiance};
 
 /// Exitance over a rectangle: e00 + e10 s + e01 t + e20 s² + e11 s t + e02 t².

@@ -159,11 +159,9 @@ impl<'a> View<'a> {
                     let h = normal.dot(*p - eye) + keep.k;
                     if h.abs() <= noise { 0.0 } else { h }
                 }));
-                if heights.iter().all(|h| *h >= 0.0) && heights.iter().any(|h| *h > 0.0) {
-                    // A face that lies in the plane still goes.
-                    if heights.iter().all(|h| *h > 0.0) {
-                        heights.clear();
-                    }
+                // Where a corner lies in the plane they stay: a face that lies in it goes.
+                if heights.iter().all(|h| *h > 0.0) {
+                    heights.clear();
                 }
             }
         }

@@ -97,7 +97,9 @@ pub struct Truth {
     pub form_factor: FormFactor,
     /// The irradiance is off by no more than this; W/m². Zero only where the value is zero by classification.
     pub bound: Irradiance,
+    /// How much of the sources the point sees.
     pub region: Region,
+    /// How the value was found; quadrature if any source needed it.
     pub method: Method,
     /// Whether the outline of an occluder (or of another source) runs across a visible source: an estimator's
     /// integrand then jumps, and stratification gains less.

@@ -61,14 +61,15 @@ fn alarms<'a>() -> Table<&'a AlarmRow> {
                 |r| r.verdict.name()
             ),
         ],
+        more: &[],
     }
 }
 
 fn coverage<'a>() -> Table<&'a CoverageRow> {
     Table {
         file: COVERAGE,
-        row: "one kind of printed interval in one small room under one strategy",
-        case: |r| &r.case,
+        row: "one kind of printed interval under one strategy (over all rooms), or in one small room (over all strategies)",
+        case: |r| r.case.as_deref().unwrap_or("all"),
         columns: vec![
             column!(
                 "interval",
@@ -76,14 +77,15 @@ fn coverage<'a>() -> Table<&'a CoverageRow> {
                 "`variance` of a point at one N, `mean_variance` over the points at one N, `slope`, `correlation`, `bias` of the mean over the points at one N, `effect` of the verdict on the bias",
                 |r| r.interval
             ),
-            column!("case", "", "the small room", |r| r.case.as_str()),
-            column!("strategy", "", "the strategy's name", |r| r.strategy),
+            column!("case", "", "the small room, or `all`", |r| r.case.as_deref().unwrap_or("all")),
+            column!("strategy", "", "the strategy's name, or `all`", |r| r.strategy.unwrap_or("all")),
             column!("rays", "", "`enough`, or `few` where fewer than 30 are expected to arrive", |r| rays(r)),
             column!("places", "", "points, regions, separations and N that were asked, each in every run", |r| r
                 .places),
             column!("runs", "", "runs, each from a seed of its own", |r| r.runs),
             column!("nominal", "", "what the interval claims", |r| r.nominal),
-            column!("printed", "", "of runs × places, how many had an interval", |r| r.printed),
+            column!("printed", "", "intervals that were printed", |r| r.printed),
+            column!("missing", "", "places and runs without one", |r| r.missing),
             column!("covered", "", "of those, how many held the true value", |r| r.covered),
             column!("coverage", "", "the share that held it; empty where none was printed", |r| r.coverage),
             column!(
@@ -102,6 +104,7 @@ fn coverage<'a>() -> Table<&'a CoverageRow> {
                 |r| r.verdict.map_or("not_judged", |verdict| verdict.name())
             ),
         ],
+        more: &[],
     }
 }
 
@@ -153,6 +156,7 @@ fn power<'a>() -> Table<&'a PowerRow> {
             column!("share_high", "", "the upper one", |r| r.high),
             column!("verdict", "", "`fail`: 99 % is refuted (one-sided, 99.9 %); else `pass`", |r| r.verdict.name()),
         ],
+        more: &[],
     }
 }
 
@@ -209,18 +213,15 @@ pub fn calibration_table(calibration: &Calibration) -> String {
     text += &format!(
         "  interval       rays    printed   covered  least row  pass/undecided/fail  (few: below {ENOUGH_RAYS})\n"
     );
-    let mut kinds: Vec<(&str, bool)> = Vec::new();
-    for row in &calibration.coverage {
-        if !kinds.contains(&(row.interval, row.enough_rays)) {
-            kinds.push((row.interval, row.enough_rays));
-        }
-    }
-    kinds.sort_by_key(|(_, enough)| !enough);
+    let over_cases = || calibration.coverage.iter().filter(|row| row.case.is_none());
+    let mut kinds: Vec<(&str, bool)> = over_cases().map(|row| (row.interval, row.enough_rays)).collect();
+    kinds.dedup();
     for (interval, enough) in kinds {
-        let of_it = || calibration.coverage.iter().filter(|r| (r.interval, r.enough_rays) == (interval, enough));
+        let of_it = || over_cases().filter(|r| (r.interval, r.enough_rays) == (interval, enough));
+        let all = || calibration.coverage.iter().filter(|r| (r.interval, r.enough_rays) == (interval, enough));
         let (printed, covered) = of_it().fold((0, 0), |(p, c), row| (p + row.printed, c + row.covered));
-        let least = of_it().filter_map(|row| row.coverage).fold(f64::INFINITY, f64::min);
-        let of = |name: &str| of_it().filter(|row| row.verdict.is_some_and(|v| v.name() == name)).count();
+        let least = all().filter_map(|row| row.coverage).fold(f64::INFINITY, f64::min);
+        let of = |name: &str| all().filter(|row| row.verdict.is_some_and(|v| v.name() == name)).count();
         let share = if printed > 0 { 100.0 * covered as f64 / printed as f64 } else { 0.0 };
         let least = if least.is_finite() { format!("{:.1} %", 100.0 * least) } else { "-".to_owned() };
         text += &format!(

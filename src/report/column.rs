@@ -73,8 +73,17 @@ pub(super) struct Table<R> {
     /// What one row tells of.
     pub row: &'static str,
     pub columns: Vec<Column<R>>,
+    /// Columns that stand after these where a user asks for them, for the description.
+    pub more: &'static [MoreDescribed],
     /// The case that a row belongs to, for error messages.
     pub case: fn(&R) -> &str,
+}
+
+/// What is said of columns that a user may ask for: the pattern of their names, unit, meaning.
+pub(super) struct MoreDescribed {
+    pub name: &'static str,
+    pub unit: &'static str,
+    pub meaning: &'static str,
 }
 
 /// Columns that a user asked for by name, after a table's own.
@@ -130,8 +139,9 @@ impl<R> Table<R> {
     pub fn described(&self) -> String {
         let mut text = format!("## `{}`\n\nOne row is {}.\n\n", self.file, self.row);
         text.push_str("| column | unit | meaning |\n|---|---|---|\n");
-        for c in &self.columns {
-            text.push_str(&format!("| `{}` | {} | {} |\n", c.name, c.unit, c.meaning));
+        let own = self.columns.iter().map(|c| (c.name, c.unit, c.meaning));
+        for (name, unit, meaning) in own.chain(self.more.iter().map(|m| (m.name, m.unit, m.meaning))) {
+            text.push_str(&format!("| `{name}` | {unit} | {meaning} |\n"));
         }
         text
     }

@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use super::ReportError;
-use super::column::{Column, Field, MoreColumns, Table};
+use super::column::{Column, Field, MoreColumns, MoreDescribed, Table};
 use super::tables::column;
 use crate::configuration::MeasurementPoint;
 use crate::oracle::{Derivatives, Parameter, Truth};
@@ -100,6 +100,22 @@ pub(super) fn exact<'a>() -> Table<ExactRow<'a>> {
                 r.truth.bound.watts_per_square_metre()
             )),
             column!("method", "", "`closed-form` or `quadrature`", |r| r.truth.method.name()),
+        ],
+        more: &[
+            MoreDescribed {
+                name: "d_PARAMETER_UNIT",
+                unit: "W/m³, W/m² or 1",
+                meaning: "with `--derivative PARAMETER,…`, one for each, in the order they were asked for: the irradiance's \
+                          exact derivative with respect to that number of the case, UNIT being `W_m3` (a length), `W_m2` (a \
+                          component of a unit normal) or `1` (an exitance); empty where there is no closed form, or outlines \
+                          touch in a way that leaves it undecided",
+            },
+            MoreDescribed {
+                name: "derivative_side",
+                unit: "",
+                meaning: "with `--derivative`: `both`, or `one` where outlines touch and moves the other way may have another \
+                          derivative",
+            },
         ],
     }
 }

@@ -57,5 +57,6 @@ pub(super) fn limits<'a>() -> Table<LimitRow<'a>> {
             column!("bound_m", "m", "the distance is off by no more than this", |r| Field::Digits17(r.limit.bound)),
             column!("method", "", "`closed-form` or `bisection`", |r| r.limit.method.name()),
         ],
+        more: &[],
     }
 }

@@ -4,6 +4,8 @@
 use std::f64::consts::PI;
 
 use glam::DVec3;
+use rand_xoshiro::SplitMix64;
+use rand_xoshiro::rand_core::{Rng, SeedableRng};
 
 use crate::configuration::{Arrangement, Configuration, MeasurementPoint, Source};
 use crate::geometry::{Disk, Shape};
@@ -21,15 +23,11 @@ const HEIGHT: f64 = 2.0;
 const RADIUS: f64 = 0.5;
 
 /// Standard normal numbers, the same on every run.
-struct Noise(u64);
+struct Noise(SplitMix64);
 
 impl Noise {
     fn uniform(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+        (self.0.next_u64() >> 11) as f64 / (1u64 << 53) as f64
     }
     fn normal(&mut self) -> f64 {
         let (u, v) = (1.0 - self.uniform(), self.uniform());
@@ -177,6 +175,7 @@ fn strategy_outcome(
             smallest_bias_mean: Some([0.0042, 0.0093, 0.0011][strategy as usize]),
             smallest_bias_point: Some(0.081),
             words: "no bias above 0.42 % in the mean, 8.1 % at the worst point".to_owned(),
+            note: None,
             reproduce: format!("etendue run penumbra/eclipse --strategy {strategy} --seed 1"),
         }],
         timings: vec![Timing { stage: "estimate", rays: 88_725_000, seconds: 1.25, efficiency: Some(3.1e7) }],
@@ -216,6 +215,7 @@ fn rate(strategy: Strategy, cells: &[Cell], truths: &[Truth], region: Option<Reg
         slope_high: slope + 0.012,
         intercept: my - slope * mx,
         expected_slope,
+        asymptote: expected_slope,
         verdict: region.map(|_| Verdict::Pass),
         points,
     })
@@ -238,8 +238,8 @@ fn case_outcome(name: &str, title: &str, arrangement: Arrangement) -> CaseOutcom
     let source = Disk::new(DVec3::Z * HEIGHT, DVec3::NEG_Z, RADIUS).unwrap();
     let source = Source::new(Shape::Disk(source), Exitance::new(1.0)).unwrap();
     let digest = Configuration::new(vec![source], vec![], None, points.clone(), arrangement).unwrap().digest();
-    let mut noise = Noise(digest.key());
-    let strategies = Strategy::ALL.map(|s| strategy_outcome(&mut noise, s, &points, &truths)).to_vec();
+    let mut noise = Noise(SplitMix64::seed_from_u64(digest.key()));
+    let strategies = Strategy::LECTURE.map(|s| strategy_outcome(&mut noise, s, &points, &truths)).to_vec();
     CaseOutcome {
         name: name.to_owned(),
         title: title.to_owned(),

@@ -13,6 +13,7 @@ mod column;
 mod error;
 mod exact;
 mod folder;
+mod forecast;
 mod limits;
 mod manifest;
 #[cfg(feature = "plots")]
@@ -33,6 +34,7 @@ pub use calibration::{calibration_reference, calibration_table, claim_calibratio
 pub use error::ReportError;
 pub use exact::{ExactCase, write_exact};
 pub use folder::claim;
+pub use forecast::forecast_table;
 pub use limits::{LimitsCase, write_limits};
 pub use terminal::{TableOptions, table};
 

@@ -115,6 +115,7 @@ pub(super) fn convergence<'a>() -> Table<ConvergenceRow<'a>> {
                 .measured
                 .mse),
         ],
+        more: &[],
     }
 }
 
@@ -143,16 +144,17 @@ pub(super) fn rates<'a>() -> Table<Of<'a, Rate>> {
             column!(
                 "expected_slope",
                 "",
-                "the asymptote that theory gives; a finite range of N need not have reached it",
+                "the same fit of the predicted variances over the same N; the asymptote (-1, -3/2, -2) where they are not predicted",
                 |r| r.item.expected_slope
             ),
             column!(
                 "verdict",
                 "",
-                "`pass`, `fail`, `undecided`, or `not_judged` where the slope is only shown",
+                "`fail` where the expected slope lies outside the interval that covers with probability 1 - 1e-6, `undecided` where the 95 % interval is wider than 0.5, else `pass`; `not_judged` where nothing is predicted",
                 |r| r.item.verdict.map_or("not_judged", |verdict| verdict.name())
             ),
         ],
+        more: &[],
     }
 }
 
@@ -182,6 +184,7 @@ pub(super) fn correlation<'a>() -> Table<Of<'a, Correlation>> {
                 |r| r.item.predicted
             ),
         ],
+        more: &[],
     }
 }
 
@@ -227,6 +230,7 @@ pub(super) fn verdicts<'a>() -> Table<Of<'a, JudgedProperty>> {
             ),
             column!("reproduce", "", "the command line that gives the same verdict", |r| r.item.reproduce.as_str()),
         ],
+        more: &[],
     }
 }
 
@@ -271,5 +275,6 @@ pub(super) fn timings<'a>() -> Table<TimingRow<'a>> {
                 |r| r.timing.efficiency
             ),
         ],
+        more: &[],
     }
 }

@@ -63,6 +63,10 @@ pub fn table(outcome: &RunOutcome, options: &TableOptions) -> String {
         let _ = write!(text, "\n{word} {} {} {}\n", line.case, line.strategy, line.judged.property);
         write_wrapped(&mut text, &line.judged.words, options.width);
     }
+    for (line, note) in lines.iter().filter_map(|line| Some((line, line.judged.note.as_ref()?))) {
+        let _ = write!(text, "\nnote {} {} {}\n", line.case, line.strategy, line.judged.property);
+        write_wrapped(&mut text, note, options.width);
+    }
     let count = |verdict| lines.iter().filter(|l| l.judged.verdict == verdict).count();
     let (passed, failed, undecided) = (count(Verdict::Pass), count(Verdict::Fail), count(Verdict::Undecided));
     let verdicts = if lines.len() == 1 { "verdict" } else { "verdicts" };

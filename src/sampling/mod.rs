@@ -1,20 +1,28 @@
-//! Where the points on a source come from: keyed streams, strategies, and the maps from the unit square to a surface.
+//! Where points on a source and directions towards it come from: keyed streams, strategies, and the maps from the unit
+//! square to a surface, to the solid angle of a shape, and to a hemisphere.
 //!
 //! Samples travel in blocks of [`BLOCK`] and lanes of [`LANES`]: sample i of an estimate uses lane i mod 8 of its
 //! stream, first for u, then for v. That order is part of the format: a wider instruction set moves no number.
 
 mod arc;
+mod ears;
+mod hemisphere;
 mod lanes;
 mod pattern;
 mod seed;
+mod silhouette;
+mod spherical;
 mod strategy;
 mod warp;
 
+pub use hemisphere::cosine_weighted;
 pub use lanes::{LANES, Lanes, Stream};
 pub use pattern::{Pattern, Squares, fill_side_by_side};
 pub use seed::{Purpose, StreamKey};
-pub use strategy::{PointSet, Strategy, Technique};
-pub use warp::{Surface, SurfaceBlock};
+pub use silhouette::{DirectionBlock, Silhouette, View};
+pub use spherical::SphericalTriangle;
+pub use strategy::{Heuristic, PointSet, Strategy, Technique};
+pub use warp::{Seams, Surface, SurfaceBlock};
 
 /// Samples worked on together: small enough for the first-level cache, large enough to hide the dispatch.
 pub const BLOCK: usize = 128;

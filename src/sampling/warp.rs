@@ -1,13 +1,19 @@
-//! Maps from the unit square to a surface. All are of equal area (the density per area is one over the area) and
-//! continuous wherever the surface allows, so that strata keep both their area and their shape.
+//! Maps from the unit square to a surface. All are of equal area (the density per area is one over the area). They are
+//! continuous wherever the surface allows; where a polygon does not, they jump along lines of the square's dyadic grid
+//! only. Strata keep both their area and their shape: N of them, with N a power of 4 for such polygons.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
 use glam::DVec3;
+use smallvec::SmallVec;
 
 use super::arc::sin_cos_eighth;
 use super::{BLOCK, LANES, Row, Squares, groups};
+use crate::geometry::partition::{Axes, Outline, Partition};
 use crate::geometry::{Frame, Polygon, Shape};
+
+/// Halvings of u and of v before a torn polygon's cells are swept by chords: 1024 cells.
+const LEVELS: u32 = 5;
 
 /// One block of points on a surface, as offsets from the surface's origin, metres.
 #[derive(Clone, Debug)]
@@ -46,8 +52,28 @@ enum Chart {
     Triangle { normal: DVec3, to_second: DVec3, to_third: DVec3 },
     /// u sweeps the polygon by area, v runs along the chord.
     Chords { normal: DVec3, sweep: DVec3, along: DVec3, slabs: Vec<Slab> },
+    /// Cells of equal area for the squares of a grid of 2⁵ × 2⁵, each swept by chords of its own.
+    Cells {
+        normal: DVec3,
+        sweep: DVec3,
+        along: DVec3,
+        slabs: Vec<Slab>,
+        /// Where the slabs of each cell begin in `slabs`, `[u][v]`; and where the last one's end.
+        starts: Vec<usize>,
+    },
     /// The octahedral map made equal-area by concentric quarter disks (Clarberg, JGT 13(3), 2008).
     Sphere { radius: f64 },
+}
+
+/// How smooth the map to a surface is: what a smooth function on the surface looks like over the unit square.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Seams {
+    /// Smooth, but for creases along lines of one u.
+    None,
+    /// Continuous, with creases along slanted lines (the diagonals of the square).
+    Creased,
+    /// It jumps along lines of the dyadic grid, down to 1/32.
+    Torn,
 }
 
 /// The part of a polygon between two neighbouring vertices in sweep order.
@@ -63,7 +89,7 @@ struct Slab {
     /// Metres of chord per unit of `chord`.
     metres: f64,
     /// For each piece, bottom and top at the beginning and at the end.
-    pieces: Vec<[[f64; 2]; 2]>,
+    pieces: SmallVec<[[[f64; 2]; 2]; 1]>,
 }
 
 impl Surface {
@@ -80,7 +106,10 @@ impl Surface {
             }
             Shape::Polygon(s) => match s.vertices() {
                 &[a, b, c] => (a, Chart::Triangle { normal: s.normal(), to_second: b - a, to_third: c - a }),
-                _ => (s.vertices()[0], chords(s)),
+                _ => {
+                    let chart = chords(s);
+                    (s.vertices()[0], if is_torn(&chart, s.area()) { cells(s) } else { chart })
+                }
             },
             Shape::Sphere(s) => (s.center(), Chart::Sphere { radius: s.radius() }),
             _ => return None,
@@ -102,7 +131,8 @@ impl Surface {
             Chart::Parallelogram { normal, .. }
             | Chart::Disk { normal, .. }
             | Chart::Triangle { normal, .. }
-            | Chart::Chords { normal, .. } => Some(normal),
+            | Chart::Chords { normal, .. }
+            | Chart::Cells { normal, .. } => Some(normal),
             Chart::Sphere { .. } => None,
         }
     }
@@ -114,17 +144,13 @@ impl Surface {
         }
     }
 
-    /// Whether somewhere inside the unit square neighbours are parted: where a polygon's chord jumps or splits. What is
-    /// smooth on the surface then jumps over the square, and strata gain less.
-    pub fn is_torn(&self) -> bool {
-        let Chart::Chords { slabs, .. } = &self.chart else { return false };
-        let split = slabs.iter().any(|slab| slab.pieces.len() > 1);
-        let parted = |before: &Slab, after: &Slab| {
-            let ends = before.pieces.iter().zip(&after.pieces).flat_map(|(a, b)| [0, 1].map(|k| (a[k][1], b[k][0])));
-            // Rounding of a vertex is no jump.
-            ends.into_iter().any(|(end, start)| (end - start).abs() > 1e-9 * self.area.sqrt())
-        };
-        split || slabs.windows(2).any(|pair| parted(&pair[0], &pair[1]))
+    /// How smooth the map is.
+    pub fn seams(&self) -> Seams {
+        match self.chart {
+            Chart::Parallelogram { .. } | Chart::Chords { .. } => Seams::None,
+            Chart::Disk { .. } | Chart::Triangle { .. } | Chart::Sphere { .. } => Seams::Creased,
+            Chart::Cells { .. } => Seams::Torn,
+        }
     }
 
     /// Puts the first `len` points of a block (rounded up to whole lanes) on the surface.
@@ -140,6 +166,9 @@ impl Surface {
             }
             Chart::Chords { sweep, along, slabs, .. } => {
                 place_flat(squares, len, out, *sweep, *along, |u, v| on_chord(slabs, u, v));
+            }
+            Chart::Cells { sweep, along, slabs, starts, .. } => {
+                place_flat(squares, len, out, *sweep, *along, |u, v| in_cell(slabs, starts, u, v));
             }
             Chart::Sphere { radius } => {
                 for g in 0..groups(len) {
@@ -174,7 +203,7 @@ fn place_flat(
 
 /// From the unit square to the unit disk.
 #[inline(always)]
-fn concentric(u: f64, v: f64) -> (f64, f64) {
+pub(super) fn concentric(u: f64, v: f64) -> (f64, f64) {
     let (a, b) = (2.0 * u - 1.0, 2.0 * v - 1.0);
     let a_leads = a.abs() > b.abs();
     let (radius, other) = if a_leads { (a, b) } else { (b, a) };
@@ -201,6 +230,15 @@ fn octahedral(u: f64, v: f64) -> (f64, f64, f64) {
     ((ring * (cos - sin)).copysign(a), (ring * (cos + sin)).copysign(b), z)
 }
 
+/// From the unit square to a cell, and there to a chord.
+#[inline(always)]
+fn in_cell(slabs: &[Slab], starts: &[usize], u: f64, v: f64) -> (f64, f64) {
+    const SIDE: f64 = (1_u32 << LEVELS) as f64;
+    let (i, j) = ((u * SIDE).min(SIDE - 1.0).floor(), (v * SIDE).min(SIDE - 1.0).floor());
+    let cell = i as usize * (1 << LEVELS) + j as usize;
+    on_chord(&slabs[starts[cell]..starts[cell + 1]], u * SIDE - i, v * SIDE - j)
+}
+
 fn on_chord(slabs: &[Slab], u: f64, v: f64) -> (f64, f64) {
     let slab = &slabs[slabs.partition_point(|slab| slab.area_before <= u).max(1) - 1];
     // Area from the slab's beginning, over its width: chord₀ x + (chord₁ − chord₀) x²/2 for x in [0, 1].
@@ -222,42 +260,77 @@ fn on_chord(slabs: &[Slab], u: f64, v: f64) -> (f64, f64) {
     (slab.start + slab.width * x, y)
 }
 
-/// Cuts a polygon into slabs. The sweep runs at right angles to the longest edge, so that one end of it is a full chord
-/// and not a needle's point.
+/// Lays a polygon out by its chords.
 fn chords(polygon: &Polygon) -> Chart {
-    let vertices = polygon.vertices();
-    let n = vertices.len();
-    let longest = (0..n)
-        .map(|i| vertices[(i + 1) % n] - vertices[i])
-        .max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()))
-        .expect("a polygon has edges");
-    let along = longest.normalize();
-    let sweep = along.cross(polygon.normal());
-    let flat: Vec<[f64; 2]> =
-        vertices.iter().map(|p| [(*p - vertices[0]).dot(sweep), (*p - vertices[0]).dot(along)]).collect();
-    let mut stops: Vec<f64> = flat.iter().map(|p| p[0]).collect();
+    let axes = Axes::of(polygon);
+    let outline = axes.flatten(polygon);
+    let slabs = slabs(std::slice::from_ref(&outline), 1e-13 * extent(&outline));
+    Chart::Chords { normal: polygon.normal(), sweep: axes.sweep, along: axes.along, slabs }
+}
+
+/// Lays a polygon out cell by cell.
+fn cells(polygon: &Polygon) -> Chart {
+    let partition = Partition::new(polygon, LEVELS);
+    let axes = partition.axes();
+    let nothing = 1e-13 * extent(&axes.flatten(polygon));
+    let (mut all, mut starts) = (Vec::new(), vec![0]);
+    for i in 0..partition.side() {
+        for j in 0..partition.side() {
+            all.extend(slabs(partition.cell(i, j), nothing));
+            starts.push(all.len());
+        }
+    }
+    Chart::Cells { normal: polygon.normal(), sweep: axes.sweep, along: axes.along, slabs: all, starts }
+}
+
+/// Whether neighbours in the unit square are parted: where a polygon's chord jumps or splits. What is smooth on the
+/// surface would jump over the square along a line, and √N strata lose what strata gain.
+fn is_torn(chart: &Chart, area: f64) -> bool {
+    let Chart::Chords { slabs, .. } = chart else { return false };
+    let split = slabs.iter().any(|slab| slab.pieces.len() > 1);
+    let parted = |before: &Slab, after: &Slab| {
+        let ends = before.pieces.iter().zip(&after.pieces).flat_map(|(a, b)| [0, 1].map(|k| (a[k][1], b[k][0])));
+        // Rounding of a vertex is no jump.
+        ends.into_iter().any(|(end, start)| (end - start).abs() > 1e-9 * area.sqrt())
+    };
+    split || slabs.windows(2).any(|pair| parted(&pair[0], &pair[1]))
+}
+
+/// Metres of sweep.
+fn extent(outline: &Outline) -> f64 {
+    let sweep = outline.iter().map(|p| p[0]);
+    sweep.clone().fold(f64::NEG_INFINITY, f64::max) - sweep.fold(f64::INFINITY, f64::min)
+}
+
+/// Cuts disjoint outlines into slabs.
+///
+/// - `nothing`: metres of sweep that are only rounding
+fn slabs(outlines: &[Outline], nothing: f64) -> Vec<Slab> {
+    let mut stops: Vec<f64> = outlines.iter().flatten().map(|p| p[0]).collect();
     stops.sort_by(f64::total_cmp);
-    let size = stops[n - 1] - stops[0];
-    stops.dedup_by(|b, a| *b - *a <= 1e-13 * size);
+    stops.dedup_by(|b, a| *b - *a <= nothing);
+    let edges = || outlines.iter().flat_map(|o| (0..o.len()).map(move |i| (o[i], o[(i + 1) % o.len()])));
     let mut slabs = Vec::new();
     let mut area_before = 0.0;
     for stop in stops.windows(2) {
         let (start, width) = (stop[0], stop[1] - stop[0]);
         let middle = start + 0.5 * width;
-        let mut crossing: Vec<[f64; 2]> = (0..n)
-            .filter_map(|i| {
-                let (a, b) = (flat[i], flat[(i + 1) % n]);
+        let mut crossing: Vec<[f64; 2]> = edges()
+            .filter_map(|(a, b)| {
                 let spans = (a[0] < middle) != (b[0] < middle);
                 let at = |s: f64| a[1] + (b[1] - a[1]) * ((s - a[0]) / (b[0] - a[0])).clamp(0.0, 1.0);
                 spans.then(|| [at(stop[0]), at(stop[1])])
             })
             .collect();
         crossing.sort_by(|a, b| (a[0] + a[1]).total_cmp(&(b[0] + b[1])));
-        let pieces: Vec<[[f64; 2]; 2]> = crossing.chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect();
+        let pieces: SmallVec<[[[f64; 2]; 2]; 1]> = crossing.chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect();
         let chord =
             [0, 1].map(|end| pieces.iter().map(|[bottom, top]| (top[end] - bottom[end]).max(0.0)).sum::<f64>());
-        slabs.push(Slab { area_before, start, width, chord, metres: 1.0, pieces });
-        area_before += 0.5 * (chord[0] + chord[1]) * width;
+        // Between pieces that stand apart there is nothing to sweep.
+        if chord[0] + chord[1] > 0.0 {
+            slabs.push(Slab { area_before, start, width, chord, metres: 1.0, pieces });
+            area_before += 0.5 * (chord[0] + chord[1]) * width;
+        }
     }
     let total = area_before;
     for slab in &mut slabs {
@@ -265,7 +338,7 @@ fn chords(polygon: &Polygon) -> Chart {
         slab.chord = slab.chord.map(|c| c * slab.width / total);
         slab.metres = total / slab.width;
     }
-    Chart::Chords { normal: polygon.normal(), sweep, along, slabs }
+    slabs
 }
 
 #[cfg(test)]
@@ -350,12 +423,16 @@ mod tests {
         // Local area of small quadrilaterals of the map, against area / cells.
         for shape in shapes() {
             let surface = Surface::new(&shape).unwrap();
-            let n = 300;
+            let n = 320;
             let points = grid(&surface, n);
             let expected = surface.area() / (n * n) as f64;
             let mut off = 0;
             for j in 0..n - 1 {
                 for i in 0..n - 1 {
+                    // Ten places to a cell of a torn surface; between cells it jumps.
+                    if surface.seams() == Seams::Torn && (i % 10 == 9 || j % 10 == 9) {
+                        continue;
+                    }
                     let at = |di: usize, dj: usize| points[(j + dj) * n + i + di];
                     let cell = 0.5 * (at(1, 1) - at(0, 0)).cross(at(0, 1) - at(1, 0)).length();
                     off += usize::from((cell / expected - 1.0).abs() > 0.05);
@@ -392,12 +469,59 @@ mod tests {
 
     #[test]
     fn only_jumping_chords_tear_a_surface() {
-        let torn: Vec<bool> = shapes().iter().map(|shape| Surface::new(shape).unwrap().is_torn()).collect();
+        let torn: Vec<bool> =
+            shapes().iter().map(|shape| Surface::new(shape).unwrap().seams() == Seams::Torn).collect();
         let l_and_m_alone: Vec<bool> =
             shapes().iter().map(|shape| matches!(shape, Shape::Polygon(polygon) if !polygon.is_convex())).collect();
         assert_eq!(torn, l_and_m_alone);
         // A dart: its chords along the longest edge end at a concave corner without a jump.
         let dart = polygon(&[[0.0, 0.0], [3.0, 0.0], [1.4, 0.4], [0.9, 1.2]]);
-        assert!(!Surface::new(&dart).unwrap().is_torn());
+        assert_eq!(Surface::new(&dart).unwrap().seams(), Seams::None);
+    }
+
+    /// Variance of the mean of one point in each of `side`² strata, by `fine`² places in all: irradiance, but for a
+    /// factor, at a patch that faces the surface three metres from its origin, no occluder.
+    fn stratified_variance(surface: &Surface, side: usize, fine: usize) -> f64 {
+        let eye = surface.origin() + surface.flat_normal().unwrap() * 3.0;
+        let f: Vec<f64> = grid(surface, fine).iter().map(|p| 1.0 / (*p - eye).length_squared().powi(2)).collect();
+        let (q, n) = (fine / side, (side * side) as f64);
+        let mut sum = 0.0;
+        for stratum in 0..side * side {
+            let at = |k: usize| f[(stratum / side * q + k / q) * fine + stratum % side * q + k % q];
+            let mean = (0..q * q).map(at).sum::<f64>() / (q * q) as f64;
+            sum += (0..q * q).map(|k| (at(k) - mean).powi(2)).sum::<f64>() / (q * q) as f64;
+        }
+        sum / (n * n)
+    }
+
+    /// Slope of the variance between N = 4096 and N = 65536, and the variance at 4096.
+    fn slope(surface: &Surface) -> (f64, f64) {
+        let [few, many] = [64, 256].map(|side| stratified_variance(surface, side, 1024));
+        ((many / few).ln() / 16_f64.ln(), few)
+    }
+
+    #[test]
+    fn strata_of_polygons_keep_their_shape() {
+        for shape in shapes() {
+            let Shape::Polygon(polygon) = &shape else { continue };
+            let surface = Surface::new(&shape).unwrap();
+            let (found, variance) = slope(&surface);
+            assert!((found + 2.0).abs() < 0.03, "{shape:?}: {found}");
+            // Cells and parts of cells, at every N.
+            let all = [4, 8, 16, 32, 64].map(|side| stratified_variance(&surface, side, 512));
+            assert!(all.windows(2).all(|pair| pair[1] < pair[0] / 13.0), "{shape:?}: {all:?}");
+            if surface.seams() == Seams::Torn {
+                // Chords alone: √N strata hold places on both sides of a re-entrant corner.
+                let swept = Surface { chart: chords(polygon), ..surface.clone() };
+                let (with_chords, larger) = slope(&swept);
+                assert!((with_chords + 1.5).abs() < 0.1, "{shape:?}: {with_chords}");
+                assert!(variance < 0.25 * larger, "{shape:?}: {variance} {larger}");
+                println!(
+                    "{} vertices: {found:.3}, {with_chords:.3}; {:.3}",
+                    polygon.vertices().len(),
+                    variance / larger
+                );
+            }
+        }
     }
 }

@@ -69,6 +69,14 @@ pub struct Edge {
     slope: f64,
 }
 
+impl Edge {
+    /// Whether the edge is crossed on the way from (x, y) to x = ∞.
+    #[inline(always)]
+    pub(super) fn is_right_of(&self, x: f64, y: f64) -> bool {
+        (y >= self.low) & (y < self.high) & (x < self.at_zero + self.slope * y)
+    }
+}
+
 impl Blocker {
     /// - `reach`: a box (low, high) that holds every end of every ray, metres
     pub fn new(shape: &Shape, reach: (DVec3, DVec3)) -> Blocker {
@@ -119,9 +127,7 @@ impl Blocker {
                 let offset = from - *anchor;
                 shade_flat(offset, frame.normal, rays, len, contributions, |q, s| {
                     let (x, y) = (q.dot(frame.tangent) / s, q.dot(frame.bitangent) / s);
-                    edges.iter().fold(false, |inside, edge| {
-                        inside ^ ((y >= edge.low) & (y < edge.high) & (x < edge.at_zero + edge.slope * y))
-                    })
+                    edges.iter().fold(false, |inside, edge| inside ^ edge.is_right_of(x, y))
                 });
             }
             Blocker::Ball { center, radius_squared } => {

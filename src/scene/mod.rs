@@ -1,9 +1,12 @@
-//! What stands in the way of a shadow ray: analytic shapes tested as themselves, meshes through a hierarchy.
+//! What stands in the way of a ray: analytic shapes tested as themselves, meshes through a hierarchy.
 //!
-//! A shadow ray runs from a shading point to a point on a source and is blocked by anything strictly between the two.
+//! A shadow ray runs from a shading point to a point on a source and is blocked by anything strictly between the two. A ray
+//! without an end is followed to what it meets first.
 
 mod blocker;
 mod hierarchy;
+mod surroundings;
 
 pub use blocker::{Blocker, ShadowRays};
 pub use hierarchy::Hierarchy;
+pub use surroundings::{Met, Surroundings};

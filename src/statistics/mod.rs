@@ -5,6 +5,8 @@ pub mod correlation;
 pub mod evidence;
 pub mod interval;
 pub mod moments;
+pub mod occupancy;
+pub mod pairs;
 pub mod proportion;
 #[cfg(test)]
 mod simulated;

@@ -2,7 +2,8 @@
 
 use super::measure::{CellSums, Prepared};
 use super::outcome::Correlation;
-use crate::configuration::Arrangement;
+use crate::configuration::{Arrangement, Configuration};
+use crate::sampling::Strategy;
 
 /// Groups of replicates for the delete-a-group jackknife.
 const GROUPS: usize = 16;
@@ -21,8 +22,9 @@ struct Separation {
 
 /// Correlation of the errors against separation, for each cell: the mean over the pairs at that separation, with a
 /// jackknife interval over the replicates on Fisher's scale. Points whose estimates never vary take no part.
-pub(super) fn correlations(prepared: &Prepared, cells: &[CellSums]) -> Vec<Correlation> {
-    let separations = separations(prepared);
+pub(super) fn correlations(prepared: &Prepared, strategy: Strategy, cells: &[CellSums]) -> Vec<Correlation> {
+    let separations = separations(&prepared.case.configuration);
+    let predicted = predicted(prepared, strategy, &separations);
     let n_points = prepared.exact.len();
     let mut found = Vec::new();
     for cell in cells {
@@ -36,7 +38,7 @@ pub(super) fn correlations(prepared: &Prepared, cells: &[CellSums]) -> Vec<Corre
         };
         // First and second moments of each group for each point, so that leaving a group out is a subtraction.
         let single: Vec<Vec<[f64; 2]>> = groups.iter().map(|g| point_sums(g, n_points)).collect();
-        for separation in &separations {
+        for (separation, predicted) in separations.iter().zip(&predicted) {
             let pair_sums: Vec<Vec<f64>> = groups
                 .iter()
                 .map(|group| {
@@ -70,11 +72,38 @@ pub(super) fn correlations(prepared: &Prepared, cells: &[CellSums]) -> Vec<Corre
                 correlation,
                 low: (z - reach).tanh(),
                 high: (z + reach).tanh(),
-                predicted: None,
+                predicted: *predicted,
             });
         }
     }
     found
+}
+
+/// All pairs whose correlation is shown, in the order of their separations.
+pub(super) fn pairs(configuration: &Configuration) -> Vec<(usize, usize)> {
+    separations(configuration).into_iter().flat_map(|separation| separation.pairs).collect()
+}
+
+/// What the exact side predicts for each separation: the mean over the pairs whose both points vary; zero where points are
+/// fresh.
+fn predicted(prepared: &Prepared, strategy: Strategy, separations: &[Separation]) -> Vec<Option<f64>> {
+    let correlations = prepared.predictions.correlations(strategy);
+    let mut rest = correlations.unwrap_or_default();
+    let varies = |p: usize| prepared.exact[p] > 0.0;
+    separations
+        .iter()
+        .map(|separation| {
+            if !strategy.shares_points() {
+                return Some(0.0);
+            }
+            correlations?;
+            let (own, others) = rest.split_at(separation.pairs.len());
+            rest = others;
+            let both = separation.pairs.iter().zip(own).filter(|((i, j), _)| varies(*i) && varies(*j));
+            let (sum, count) = both.fold((0.0, 0_u32), |(sum, count), (_, c)| (sum + c, count + 1));
+            (count > 0).then(|| sum / f64::from(count))
+        })
+        .collect()
 }
 
 /// Fisher's z, kept finite for errors that are proportional.
@@ -113,8 +142,7 @@ fn mean_correlation(
 }
 
 /// Along a line: every multiple of the spacing. Else: pairs gathered by distance.
-fn separations(prepared: &Prepared) -> Vec<Separation> {
-    let configuration = &prepared.case.configuration;
+fn separations(configuration: &Configuration) -> Vec<Separation> {
     let points = configuration.points();
     let between = |i: usize, j: usize| (points[i].position() - points[j].position()).length();
     if configuration.arrangement() == Arrangement::Line {

@@ -14,7 +14,7 @@ use crate::statistics::evidence::{THRESHOLD_LOG10, ln_average, log10_capped};
 use crate::statistics::{Capital, Observed, PowerSums, Statement, Verdict};
 
 /// Two-sided 95 % of a normal distribution.
-const Z_95: f64 = 1.959_963_984_540_054;
+pub(super) const Z_95: f64 = 1.959_963_984_540_054;
 
 /// What a component is about.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -89,6 +89,7 @@ pub(super) fn bias(
         smallest_bias_mean: mean,
         smallest_bias_point: point,
         words,
+        note: None,
         reproduce,
     }
 }
@@ -145,6 +146,12 @@ fn effect(prepared: &Prepared, subject: Subject, at: Option<usize>, cells: &[Cel
     if scale > 0.0 { (deviation / scale, error / scale) } else { (deviation, error) }
 }
 
+/// Which point it is.
+pub(super) fn place_words(prepared: &Prepared, p: usize) -> String {
+    let x = prepared.case.configuration.points()[p].position();
+    format!("at point {p} ({} m, {} m, {} m; {})", x.x, x.y, x.z, prepared.truths[p].region)
+}
+
 fn percent(x: f64) -> String {
     format!("{:.2} %", 100.0 * x)
 }
@@ -171,10 +178,7 @@ fn fail_words(
     (deviation, error): (f64, f64),
 ) -> String {
     let place = match subject {
-        Subject::Point(p) => {
-            let x = prepared.case.configuration.points()[p].position();
-            format!("at point {p} ({} m, {} m, {} m; {})", x.x, x.y, x.z, prepared.truths[p].region)
-        }
+        Subject::Point(p) => place_words(prepared, p),
         Subject::Contrast(0) => "in the mean over the points".to_owned(),
         Subject::Contrast(k) => format!("in contrast {k} along the points, relative to the mean"),
     };

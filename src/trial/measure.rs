@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
+use super::predict::Predictions;
 use crate::case::Case;
 use crate::estimator::{Estimator, Job, Scratch};
 use crate::oracle::Truth;
@@ -53,6 +54,7 @@ pub(super) struct Prepared<'a> {
     pub full: &'a [f64],
     pub estimator: &'a dyn Estimator,
     pub contrasts: &'a Contrasts,
+    pub predictions: &'a Predictions,
 }
 
 /// What the replicates of one cell came to.

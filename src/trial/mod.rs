@@ -4,16 +4,22 @@
 //! replicates; the measurement is judged against the exact side. A run is a list of work units, each a pure function of
 //! its key, and their results are merged in the order of the list: one thread or many give the same bytes.
 
+mod accept;
 mod correlation;
+mod forecast;
 mod judge;
 mod measure;
 mod outcome;
 mod plan;
+mod predict;
 mod rates;
 mod reach;
+mod ready;
 mod run;
 mod settings;
+mod spread;
 
+pub use forecast::{Forecast, forecast};
 pub use outcome::{
     CaseOutcome, Cell, Correlation, JudgedProperty, Measured, Rate, RatePoint, RunOutcome, StrategyOutcome, Timing,
 };

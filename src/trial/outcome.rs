@@ -90,9 +90,11 @@ pub struct Rate {
     pub slope_high: f64,
     /// Natural log of the fitted quantity at N = 1.
     pub intercept: f64,
-    /// The asymptote that theory gives.
+    /// The same fit of the predicted variances; the asymptote where they are not predicted.
     pub expected_slope: f64,
-    /// `None` where the slope is shown, not judged.
+    /// What theory gives for large N.
+    pub asymptote: f64,
+    /// `None` where the slope is shown, not judged: where variances are not predicted.
     pub verdict: Option<Verdict>,
     /// What the line was fitted to, ascending in N.
     pub points: Vec<RatePoint>,
@@ -124,7 +126,7 @@ pub struct Correlation {
 /// One line of the verdict table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JudgedProperty {
-    /// `bias`.
+    /// `bias`, `variance` or `covariance`.
     pub property: &'static str,
     pub verdict: Verdict,
     /// log10 of the test's capital.
@@ -135,12 +137,15 @@ pub struct JudgedProperty {
     pub effect: f64,
     pub effect_low: f64,
     pub effect_high: f64,
-    /// What would have been caught with 99 % probability, relative; `None` where no light is due anywhere.
+    /// What would have been caught with 99 % probability, relative; `None` where no light is due anywhere. Of a variance: a
+    /// deviation of all variances alike.
     pub smallest_bias_mean: Option<f64>,
-    /// The same at the worst point that a tenth or more of the light reaches.
+    /// The same at the worst point that a tenth or more of the light reaches. Of a variance: at the worst sample count.
     pub smallest_bias_point: Option<f64>,
     /// One sentence that a reader cannot misread.
     pub words: String,
+    /// What a reader should know of a pass: that it leans on an accepted deviation, or that one is no longer needed.
+    pub note: Option<String>,
     /// The command line that gives the same verdict.
     pub reproduce: String,
 }

@@ -1,20 +1,25 @@
-//! From a pilot's variances to the replicates that a verdict needs.
+//! From variances to the replicates that a verdict needs.
 //!
-//! The pilot draws from streams of its own, so what it says is independent of what is judged. Its variances stand in for
-//! exact ones; they are taken on the high side: by two standard errors, and, where a shadow's edge crosses the source,
-//! by what a part of it too small to have been hit could add.
+//! Where the exact side predicts the variance, it plans and judges. Elsewhere a pilot does, which draws from streams of its
+//! own, so what it says is independent of what is judged; its variances are taken on the high side: by two standard errors,
+//! and, where a shadow's edge crosses the source or directions must find it, by what a part of it too small to have been
+//! hit could add.
 
 use super::measure::{BATCHES, CellSums, Prepared};
+use super::predict::{CellPrediction, Tolerated};
 use super::reach::peak;
 use crate::case::{Replicates, Study};
 use crate::oracle::Region;
+use crate::sampling::Technique;
 use crate::statistics::PowerSums;
 use crate::statistics::evidence::{replicates_for, smallest_shift};
 
 /// Shadow rays that one cell may cost before `auto` stops and says undecided.
 const MOST_RAYS: u64 = 1 << 30;
-/// Fewest replicates of an automatic plan: enough for a variance and a correlation.
+/// Fewest replicates of an automatic plan: enough for a variance and a correlation; more where samples are few, so that the
+/// variance is judged too.
 const FEWEST_REPLICATES: u64 = 128;
+const FEWEST_SAMPLES: u64 = 16_384;
 /// Share of the sources' light ([`super::reach::full`]) from which on a point must be able to see the `point` bias.
 const WELL_LIT: f64 = 0.1;
 /// An event that had this expected count in the pilot would have been missed with probability e⁻¹².
@@ -29,6 +34,8 @@ pub(super) struct CellPlan {
     pub point_variances: Vec<f64>,
     /// The same for the mean and each contrast, W²/m⁴.
     pub contrast_variances: Vec<f64>,
+    /// What the exact side predicts.
+    pub prediction: CellPrediction,
 }
 
 /// Relative biases that would have been caught with 99 % probability.
@@ -51,7 +58,37 @@ pub(super) fn components(prepared: &Prepared, study: &Study) -> usize {
 }
 
 impl CellPlan {
-    pub fn new(prepared: &Prepared, study: &Study, pilot: &CellSums) -> CellPlan {
+    /// - `pilot`: where not everything is predicted
+    pub fn new(
+        prepared: &Prepared,
+        study: &Study,
+        technique: Technique,
+        samples: u64,
+        prediction: CellPrediction,
+        pilot: Option<&CellSums>,
+    ) -> CellPlan {
+        let predicted: Option<Vec<f64>> =
+            prediction.points.iter().map(|point| point.map(|spread| spread.upper_variance())).collect();
+        let contrasts =
+            prediction.contrasts.as_ref().map(|list| list.iter().map(Tolerated::upper_variance).collect());
+        let measured = pilot.map(|pilot| CellPlan::piloted(prepared, technique, pilot));
+        let (of_pilot, contrasts_of_pilot) = measured.unwrap_or_default();
+        let mut plan = CellPlan {
+            samples,
+            replicates: 0,
+            point_variances: predicted.unwrap_or(of_pilot),
+            contrast_variances: contrasts.unwrap_or(contrasts_of_pilot),
+            prediction,
+        };
+        plan.replicates = match study.replicates {
+            Replicates::Fixed(n) => n,
+            Replicates::Auto => plan.automatic(prepared, study),
+        };
+        plan
+    }
+
+    /// Upper variances of points and contrasts from a pilot.
+    fn piloted(prepared: &Prepared, technique: Technique, pilot: &CellSums) -> (Vec<f64>, Vec<f64>) {
         let configuration = &prepared.case.configuration;
         let n = pilot.samples as f64;
         let seen = pilot.replicates as f64;
@@ -61,14 +98,16 @@ impl CellPlan {
             .iter()
             .zip(prepared.truths)
             .map(|(point, truth)| {
-                let cut = truth.shadow_edge || truth.region == Region::Edge;
-                let part = peak(configuration, point) / n;
+                // Directions that must find a source jump at its own outline, too.
+                let seeks = !matches!(technique, Technique::Area);
+                let cut = seeks || truth.shadow_edge || truth.region == Region::Edge;
+                let part = peak(configuration, point, technique) / n;
                 if cut { part * part * UNSEEN_COUNT / seen } else { 0.0 }
             })
             .collect();
         let point_variances: Vec<f64> = (0..prepared.exact.len())
             .map(|p| {
-                let ceiling = peak(configuration, &configuration.points()[p]) * prepared.exact[p] / n;
+                let ceiling = peak(configuration, &configuration.points()[p], technique) * prepared.exact[p] / n;
                 // A mean of N independent terms of at most `peak` has no more than this variance, whatever the pilot saw.
                 (upper_variance(&pilot.points[p]) + unseen[p]).min(ceiling)
             })
@@ -82,18 +121,13 @@ impl CellPlan {
                 upper_variance(sums) + hidden
             })
             .collect();
-        let mut plan = CellPlan { samples: pilot.samples, replicates: 0, point_variances, contrast_variances };
-        plan.replicates = match study.replicates {
-            Replicates::Fixed(n) => n,
-            Replicates::Auto => plan.automatic(prepared, study),
-        };
-        plan
+        (point_variances, contrast_variances)
     }
 
     /// As many as the smallest biases need.
     fn automatic(&self, prepared: &Prepared, study: &Study) -> u64 {
         let m = components(prepared, study);
-        let mut needed = FEWEST_REPLICATES;
+        let mut needed = FEWEST_REPLICATES.max(FEWEST_SAMPLES / self.samples);
         if let Some((value, margin)) = mean_of(prepared, study) {
             let shift = study.smallest_bias.mean * value - margin;
             needed = needed.max(replicates_for(shift, self.contrast_variances[0], m));

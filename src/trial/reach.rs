@@ -4,9 +4,10 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use crate::configuration::{Configuration, MeasurementPoint};
+use crate::configuration::{Configuration, MeasurementPoint, Source};
 use crate::geometry::Shape;
 use crate::oracle::{Oracle, Truth};
+use crate::sampling::Technique;
 
 /// The sources' light at each point, W/m²: the unoccluded irradiance, and where the point's own horizon cuts a source
 /// (which the unoccluded irradiance leaves out) that of an element at the same place turned to the sources' middle.
@@ -48,33 +49,48 @@ fn lowest(shape: &Shape, point: &MeasurementPoint) -> f64 {
     }
 }
 
-/// An upper bound of Σ_S A · M · cosθᵢ cosθₛ / (π r²) over the points of the sources, W/m².
+/// The most that one draw of a technique can bring (for techniques that draw on each source, one draw on each), W/m².
 ///
-/// With d the distance to a source and h the height over its plane, cosθₛ = h/r and r ≥ max(d, h), so the kernel is at
-/// most h / (π r³) for a flat source and 1 / (π d²) for a sphere. Distances are to a box around the source, which can
-/// only be nearer. Infinite where the point may touch that box and lies in the source's plane.
-pub(super) fn peak(configuration: &Configuration, point: &MeasurementPoint) -> f64 {
+/// - by area: an upper bound of Σ_S A · M · cosθᵢ cosθₛ / (π r²) over the points of the sources. With d the distance to a
+///   source and h the height over its plane, cosθₛ = h/r and r ≥ max(d, h), so the kernel is at most h / (π r³) for a flat
+///   source and 1 / (π d²) for a sphere. Distances are to a box around the source, which can only be nearer. Infinite where
+///   the point may touch that box and lies in the source's plane
+/// - by solid angle: Σ_S M Ω/π. A source fills no more than 2π, and no more than A · max(cosθₛ/r²); the rectangle around a
+///   disk no more than 4/π times the disk
+/// - by cosine: the largest exitance
+/// - by both: the lesser of the peak by area and M for each source, and the largest exitance
+pub(super) fn peak(configuration: &Configuration, point: &MeasurementPoint, technique: Technique) -> f64 {
+    let exitance = |source: &Source| source.exitance().watts_per_square_metre();
+    let sources = configuration.sources().iter();
+    let largest = sources.clone().map(exitance).fold(0.0, f64::max);
+    match technique {
+        Technique::Area => sources.map(|source| peak_by_area(source, point)).sum(),
+        Technique::SolidAngle => {
+            sources.map(|source| (4.0 / PI * peak_by_area(source, point)).min(2.0 * exitance(source))).sum()
+        }
+        Technique::Cosine => largest,
+        Technique::Mis(_) => {
+            largest + sources.map(|source| peak_by_area(source, point).min(exitance(source))).sum::<f64>()
+        }
+    }
+}
+
+fn peak_by_area(source: &Source, point: &MeasurementPoint) -> f64 {
     let x = point.position();
-    configuration
-        .sources()
-        .iter()
-        .map(|source| {
-            let (low, high) = source.shape().bounds();
-            let to_box = (low - x).max(x - high).max(DVec3::ZERO).length();
-            let height = |normal: DVec3, on_plane: DVec3| (x - on_plane).dot(normal);
-            let kernel = match source.shape() {
-                Shape::Sphere(s) => {
-                    let distance = (x - s.center()).length() - s.radius();
-                    if distance > 0.0 { 1.0 / (PI * distance * distance) } else { 0.0 }
-                }
-                Shape::Disk(s) => flat_ceiling(height(s.normal(), s.center()), to_box),
-                Shape::Rectangle(s) => flat_ceiling(height(s.normal(), s.center()), to_box),
-                Shape::Polygon(s) => flat_ceiling(height(s.normal(), s.vertices()[0]), to_box),
-                Shape::Mesh(_) => f64::INFINITY,
-            };
-            source.shape().area() * source.exitance().watts_per_square_metre() * kernel
-        })
-        .sum()
+    let (low, high) = source.shape().bounds();
+    let to_box = (low - x).max(x - high).max(DVec3::ZERO).length();
+    let height = |normal: DVec3, on_plane: DVec3| (x - on_plane).dot(normal);
+    let kernel = match source.shape() {
+        Shape::Sphere(s) => {
+            let distance = (x - s.center()).length() - s.radius();
+            if distance > 0.0 { 1.0 / (PI * distance * distance) } else { 0.0 }
+        }
+        Shape::Disk(s) => flat_ceiling(height(s.normal(), s.center()), to_box),
+        Shape::Rectangle(s) => flat_ceiling(height(s.normal(), s.center()), to_box),
+        Shape::Polygon(s) => flat_ceiling(height(s.normal(), s.vertices()[0]), to_box),
+        Shape::Mesh(_) => f64::INFINITY,
+    };
+    source.shape().area() * source.exitance().watts_per_square_metre() * kernel
 }
 
 fn flat_ceiling(height: f64, to_box: f64) -> f64 {
@@ -88,8 +104,8 @@ fn flat_ceiling(height: f64, to_box: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::configuration::{Arrangement, Source};
-    use crate::estimator::{AreaEstimator, Estimator, Job, Scratch};
+    use crate::configuration::Arrangement;
+    use crate::estimator::{Job, Scratch, for_technique};
     use crate::geometry::{Disk, Rectangle, Sphere};
     use crate::radiometry::Exitance;
     use crate::sampling::{Strategy, StreamKey};
@@ -107,16 +123,18 @@ mod tests {
                 |x: f64, z: f64| MeasurementPoint::new(DVec3::new(x, 0.1, z), DVec3::new(0.1, 0.2, 1.0)).unwrap();
             let points = vec![at(0.0, 0.0), at(0.5, 0.3), at(2.0, 0.2), at(0.2, -1.0)];
             let room = Configuration::new(vec![source], vec![], None, points, Arrangement::Scattered).unwrap();
-            let estimator = AreaEstimator::new(&room);
-            let (strategy, cell) = (Strategy::Random, StreamKey::root(5));
-            let job = Job { strategy, samples: 1, cell, replicates: 0..4_000, points: room.points() };
-            let mut estimates = vec![0.0; 4 * 4_000];
-            estimator.estimate(&job, &mut Scratch::default(), &mut estimates);
-            for (point, row) in room.points().iter().zip(estimates.chunks_exact(4_000)) {
-                let largest = row.iter().copied().fold(0.0, f64::max);
-                let ceiling = peak(&room, point);
-                assert!(largest <= ceiling, "{largest} above {ceiling}");
-                assert!(ceiling < 20.0 * largest, "the ceiling {ceiling} is of the size of {largest}");
+            for strategy in [Strategy::Random, Strategy::SolidAngle, Strategy::Cosine, Strategy::MisBalance] {
+                let technique = strategy.technique();
+                let cell = StreamKey::root(5);
+                let job = Job { strategy, samples: 1, cell, replicates: 0..4_000, points: room.points() };
+                let mut estimates = vec![0.0; 4 * 4_000];
+                for_technique(&room, technique).estimate(&job, &mut Scratch::default(), &mut estimates);
+                for (point, row) in room.points().iter().zip(estimates.chunks_exact(4_000)) {
+                    let largest = row.iter().copied().fold(0.0, f64::max);
+                    let ceiling = peak(&room, point, technique);
+                    assert!(largest <= ceiling, "{strategy}: {largest} above {ceiling}");
+                    assert!(ceiling < 20.0 * largest, "{strategy}: {ceiling} is of the size of {largest}");
+                }
             }
         }
     }

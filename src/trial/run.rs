@@ -1,24 +1,24 @@
 //! Runs a study over cases: exact values, pilot, plan, measurement, judgement.
 
-use std::collections::BTreeMap;
 use std::time::Instant;
 
 use rand::RngExt;
 use thiserror::Error;
 
+use super::accept::accept;
 use super::correlation::correlations;
 use super::judge;
-use super::measure::{CellSums, Contrasts, Prepared, measure};
+use super::measure::{CellSums, Prepared, measure};
 use super::outcome::{CaseOutcome, Cell, Measured, RunOutcome, StrategyOutcome, Timing};
 use super::plan::{CellPlan, pilot_replicates};
 use super::rates::rates;
-use super::reach::full;
+use super::ready::Ready;
 use super::settings::Settings;
+use super::spread;
 use crate::case::{Case, Study};
 use crate::configuration::{Configuration, MeasurementPoint};
 use crate::estimator::{Estimator, for_technique};
 use crate::geometry::{DVec3, Shape};
-use crate::oracle::{Oracle, Truth};
 use crate::sampling::{
     BLOCK, LANES, Lanes, Pattern, Purpose, Squares, Strategy, Stream, StreamKey, Surface, SurfaceBlock, Technique,
 };
@@ -86,39 +86,17 @@ fn run_case(
     progress: &(dyn Fn(Progress) + Sync),
 ) -> Result<CaseOutcome, TrialError> {
     let study = settings.study(&case.study);
-    let start = Instant::now();
-    let oracle = Oracle::new(&case.configuration);
-    let truths: Vec<Truth> = case.configuration.points().iter().map(|point| oracle.at(point)).collect();
-    let mut timings = vec![Timing {
-        stage: "exact",
-        rays: truths.len() as u64,
-        seconds: start.elapsed().as_secs_f64(),
-        efficiency: None,
-    }];
-    let exact: Vec<f64> = truths.iter().map(|truth| truth.irradiance.watts_per_square_metre()).collect();
-    let contrasts = Contrasts::new(&exact);
-    let full = full(&case.configuration, &oracle, &truths);
-    let mut estimators: BTreeMap<Technique, Box<dyn Estimator>> = BTreeMap::new();
-    for strategy in &study.strategies {
-        estimators.entry(strategy.technique()).or_insert_with_key(|technique| make(&case.configuration, *technique));
-    }
+    let ready = Ready::new(case, &study, make);
     let strategies = study
         .strategies
         .iter()
         .map(|strategy| {
-            let prepared = Prepared {
-                case,
-                seed: settings.seed,
-                truths: &truths,
-                exact: &exact,
-                full: &full,
-                estimator: &*estimators[&strategy.technique()],
-                contrasts: &contrasts,
-            };
+            let prepared = ready.prepared(settings.seed, *strategy);
             let reproduce = settings.command(&[&case.selector], Some(*strategy));
             run_strategy(&prepared, &study, *strategy, reproduce, progress)
         })
         .collect();
+    let Ready { truths, mut timings, .. } = ready;
     timings.extend(compare_hierarchies(case, settings.seed)?);
     Ok(CaseOutcome {
         name: case.name.clone(),
@@ -133,6 +111,44 @@ fn run_case(
     })
 }
 
+/// Shadow rays of a cell.
+pub(super) fn rays_of(prepared: &Prepared, samples: u64, replicates: u64) -> u64 {
+    prepared.estimator.rays_per_estimate(samples) * prepared.exact.len() as u64 * replicates
+}
+
+/// The plans of all cells, and what pilots cost.
+pub(super) struct Plans {
+    pub cells: Vec<CellPlan>,
+    pub pilot_rays: u64,
+    pub pilot_seconds: f64,
+}
+
+/// Plans every cell, by prediction where there is one and by a pilot elsewhere.
+pub(super) fn plans(
+    prepared: &Prepared,
+    study: &Study,
+    strategy: Strategy,
+    progress: &(dyn Fn(Progress) + Sync),
+) -> Plans {
+    let traced = |rays: u64| progress(Progress::Traced(rays));
+    let mut plans = Plans { cells: Vec::new(), pilot_rays: 0, pilot_seconds: 0.0 };
+    for (index, samples) in study.samples.iter().enumerate() {
+        let prediction = prepared.predictions.cell(strategy, study, index, &prepared.contrasts.weights);
+        if prediction.is_complete() {
+            plans.cells.push(CellPlan::new(prepared, study, strategy.technique(), *samples, prediction, None));
+            continue;
+        }
+        let replicates = pilot_replicates(*samples);
+        let rays = rays_of(prepared, *samples, replicates);
+        progress(Progress::Planned(rays));
+        let pilot = measure(prepared, Purpose::Pilot, strategy, *samples, replicates, &traced);
+        plans.pilot_rays += rays;
+        plans.pilot_seconds += pilot.seconds;
+        plans.cells.push(CellPlan::new(prepared, study, strategy.technique(), *samples, prediction, Some(&pilot)));
+    }
+    plans
+}
+
 fn run_strategy(
     prepared: &Prepared,
     study: &Study,
@@ -141,45 +157,36 @@ fn run_strategy(
     progress: &(dyn Fn(Progress) + Sync),
 ) -> StrategyOutcome {
     let traced = |rays: u64| progress(Progress::Traced(rays));
-    let rays_of = |samples: u64, replicates: u64| {
-        prepared.estimator.rays_per_estimate(samples) * prepared.exact.len() as u64 * replicates
-    };
-    let (mut pilot_rays, mut pilot_seconds) = (0, 0.0);
-    let plans: Vec<CellPlan> = study
-        .samples
-        .iter()
-        .map(|samples| {
-            let replicates = pilot_replicates(*samples);
-            progress(Progress::Planned(rays_of(*samples, replicates)));
-            let pilot = measure(prepared, Purpose::Pilot, strategy, *samples, replicates, &traced);
-            pilot_rays += rays_of(*samples, replicates);
-            pilot_seconds += pilot.seconds;
-            CellPlan::new(prepared, study, &pilot)
-        })
-        .collect();
+    let Plans { cells: plans, pilot_rays, pilot_seconds } = plans(prepared, study, strategy, progress);
     for plan in &plans {
-        progress(Progress::Planned(rays_of(plan.samples, plan.replicates)));
+        progress(Progress::Planned(rays_of(prepared, plan.samples, plan.replicates)));
     }
     let cells: Vec<CellSums> = plans
         .iter()
         .map(|plan| measure(prepared, Purpose::Measurement, strategy, plan.samples, plan.replicates, &traced))
         .collect();
-    let rays = plans.iter().map(|plan| rays_of(plan.samples, plan.replicates)).sum();
-    let timings = vec![
-        Timing { stage: "pilot", rays: pilot_rays, seconds: pilot_seconds, efficiency: None },
-        Timing {
+    let rays = plans.iter().map(|plan| rays_of(prepared, plan.samples, plan.replicates)).sum();
+    let pilot = Timing { stage: "pilot", rays: pilot_rays, seconds: pilot_seconds, efficiency: None };
+    let timings = (pilot_rays > 0)
+        .then_some(pilot)
+        .into_iter()
+        .chain([Timing {
             stage: "measure",
             rays,
             seconds: cells.iter().map(|cell| cell.seconds).sum(),
             efficiency: cells.last().and_then(|cell| efficiency(cell, prepared.exact.len())),
-        },
-    ];
+        }])
+        .collect();
+    let mut verdicts = vec![judge::bias(prepared, study, strategy, &cells, &plans, reproduce.clone())];
+    verdicts.extend(spread::variance(prepared, study, strategy, &cells, &plans, &reproduce));
+    verdicts.extend(spread::covariance(prepared, study, strategy, &cells, &plans, &reproduce));
+    accept(&mut verdicts, strategy, &study.accepted);
     StrategyOutcome {
         strategy,
-        rates: rates(prepared, strategy, &cells),
-        correlations: correlations(prepared, &cells),
-        verdicts: vec![judge::bias(prepared, study, strategy, &cells, &plans, reproduce)],
-        cells: cells.iter().map(shown).collect(),
+        rates: rates(prepared, strategy, &cells, &plans),
+        correlations: correlations(prepared, strategy, &cells),
+        verdicts,
+        cells: cells.iter().zip(&plans).map(|(cell, plan)| shown(cell, plan)).collect(),
         timings,
     }
 }
@@ -192,8 +199,8 @@ fn efficiency(cell: &CellSums, n_points: usize) -> Option<f64> {
 }
 
 /// What reports show of a cell.
-fn shown(cell: &CellSums) -> Cell {
-    let points = cell.points.iter().map(|sums| {
+fn shown(cell: &CellSums, plan: &CellPlan) -> Cell {
+    let points = cell.points.iter().zip(&plan.prediction.points).map(|(sums, predicted)| {
         let variance = sums.variance().unwrap_or(0.0);
         let spread = interval::of_variance(sums, LEVEL);
         Measured {
@@ -203,7 +210,7 @@ fn shown(cell: &CellSums) -> Cell {
             variance,
             variance_low: spread.map_or(variance, |interval| interval.low),
             variance_high: spread.map_or(variance, |interval| interval.high),
-            predicted_variance: None,
+            predicted_variance: predicted.map(|predicted| predicted.spread.variance),
             mse: sums.mean_square_deviation().unwrap_or(0.0),
         }
     });

@@ -9,6 +9,7 @@ use std::process::{Command as Process, Stdio};
 
 use assert_cmd::Command;
 use etendue::case::shipped;
+use etendue::sampling::Strategy;
 use predicates::prelude::*;
 use predicates::str::{contains, is_empty};
 
@@ -207,7 +208,7 @@ fn an_output_that_cannot_be_is_found_before_the_work() {
 fn list_names_every_case_and_strategy() {
     let said = etendue().arg("list").assert().code(0).stderr(is_empty());
     let text = String::from_utf8(said.get_output().stdout.clone()).unwrap();
-    for name in shipped().map(|case| case.name()).chain(["random", "correlated", "stratified", "area"]) {
+    for name in shipped().map(|case| case.name()).chain(Strategy::ALL.map(Strategy::name)).chain(["area"]) {
         assert!(text.lines().any(|line| line.trim_start().starts_with(name)), "{name}");
     }
     let said = etendue().args(["list", "--json"]).assert().code(0).stderr(is_empty());
@@ -215,7 +216,7 @@ fn list_names_every_case_and_strategy() {
     let names: Vec<&str> =
         json["cases"].as_array().unwrap().iter().map(|case| case["name"].as_str().unwrap()).collect();
     assert_eq!(names, shipped().map(|case| case.name()).collect::<Vec<_>>());
-    assert_eq!(json["strategies"], serde_json::json!(["random", "correlated", "stratified"]));
+    assert_eq!(json["strategies"], serde_json::json!(Strategy::ALL.map(Strategy::name)));
     for case in json["cases"].as_array().unwrap() {
         assert!(case["points"].as_u64().unwrap() > 0 && !case["title"].as_str().unwrap().is_empty(), "{case}");
     }
@@ -334,6 +335,80 @@ fn limits_need_a_line() {
     let said = etendue().args(["exact", "--limits", &small, "penumbra/eclipse"]).assert().code(0).stderr(needs);
     let text = String::from_utf8(said.get_output().stdout.clone()).unwrap();
     assert_eq!(text.lines().filter(|line| line.starts_with("penumbra/eclipse,")).count(), 2, "{text}");
+}
+
+/// A disk half behind another, as seen from the point.
+fn eclipsed(occluder_x: f64, radius: f64) -> String {
+    let rest = SMALL.replace("radius = 0.5", &format!("radius = {radius:?}"));
+    format!("{rest}[[occluder.disk]]\ncenter = [{occluder_x:?}, 0.0, 1.0]\nnormal = [0.0, 0.0, 1.0]\nradius = 0.35\n")
+}
+
+#[test]
+fn derivatives_stand_beside_the_values() {
+    let folder = tempfile::tempdir().unwrap();
+    let exact = |name: &str, text: &str, more: &[&str]| -> (Vec<String>, BTreeMap<String, String>) {
+        let case = write(folder.path(), name, text);
+        let said = etendue().args(["exact", &case]).args(more).assert().code(0).stderr(is_empty());
+        let mut reader = csv::Reader::from_reader(&said.get_output().stdout[..]);
+        let header = reader.headers().unwrap().iter().map(str::to_owned).collect();
+        let mut rows: Vec<BTreeMap<String, String>> = reader.deserialize().map(Result::unwrap).collect();
+        assert_eq!(rows.len(), 1);
+        (header, rows.remove(0))
+    };
+    let number = |row: &BTreeMap<String, String>, column: &str| -> f64 {
+        let number = row[column].parse().unwrap_or_else(|_| panic!("{column} of {row:?}"));
+        assert!(f64::is_finite(number), "{column} of {row:?}");
+        number
+    };
+    let asked = "occluder.0.center.x,source.0.radius,source.0.exitance,point.position.z,point.normal.y";
+    let (header, row) = exact("eclipsed.toml", &eclipsed(0.4, 0.5), &["--derivative", asked]);
+    let more = [
+        "d_occluder.0.center.x_W_m3",
+        "d_source.0.radius_W_m3",
+        "d_source.0.exitance_1",
+        "d_point.position.z_W_m3",
+        "d_point.normal.y_W_m2",
+        "derivative_side",
+    ];
+    assert_eq!(header, [&EXACT_COLUMNS[..], &more].concat());
+    assert_eq!((&*row["region"], &*row["derivative_side"]), ("penumbra", "both"));
+    for column in &more[..5] {
+        assert_ne!(number(&row, column), 0.0, "{column}");
+    }
+    // The value is linear in the exitance, which is 1 here.
+    assert!((number(&row, more[2]) / number(&row, "irradiance_W_m2") - 1.0).abs() < 1e-13);
+    // Central differences of the same program on edited cases, extrapolated: what is left falls with the step's fourth
+    // power.
+    let value = |x: f64, radius: f64| number(&exact("moved.toml", &eclipsed(x, radius), &[]).1, "irradiance_W_m2");
+    let extrapolated = |value: &dyn Fn(f64) -> f64| {
+        let central = |h: f64| (value(h) - value(-h)) / (2.0 * h);
+        (4.0 * central(5e-4) - central(1e-3)) / 3.0
+    };
+    let moved = [extrapolated(&|h| value(0.4 + h, 0.5)), extrapolated(&|h| value(0.4, 0.5 + h))];
+    for (column, difference) in more.iter().zip(moved) {
+        let derivative = number(&row, column);
+        assert!((derivative - difference).abs() < 1e-9 * derivative.abs(), "{column}: {derivative} or {difference}");
+    }
+    // One case with derivatives has the same values as without.
+    let (plain_header, plain) = exact("eclipsed.toml", &eclipsed(0.4, 0.5), &[]);
+    assert!(plain_header.iter().all(|column| row[column] == plain[column]), "{row:?}\n{plain:?}");
+}
+
+#[test]
+fn a_wrong_parameter_is_told_what_is_accepted() {
+    let folder = tempfile::tempdir().unwrap();
+    let case = write(folder.path(), "eclipsed.toml", &eclipsed(0.4, 0.5));
+    for (wrong, accepted) in [
+        ("source.0.colour", "source.N.FIELD, occluder.N.FIELD and point.FIELD"),
+        ("point.exitance", "source.N.FIELD, occluder.N.FIELD and point.FIELD"),
+        ("occluder.1.radius", "there are 1 occluders, counted from 0"),
+        ("occluder.0.edge_u.x", "a disk has center"),
+    ] {
+        let told = contains(wrong).and(contains(accepted));
+        let said = etendue().args(["exact", &case, "--derivative", wrong]).assert().code(2).stdout(is_empty());
+        said.stderr(told);
+    }
+    etendue().args(["exact", &case, "--limits", "--derivative", "source.0.radius"]).assert().code(2);
 }
 
 #[test]

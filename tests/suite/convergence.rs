@@ -66,7 +66,7 @@ fn every_shipped_case_is_studied() {
 const WIDENED: f64 = 2.75;
 
 /// Slopes that stratification must show where theory's asymptote is −2 (the integrand is smooth over the unit square) and
-/// −3/2 (a shadow's edge, or a tear of the map from square to source, cuts it). A fit over N = 1…256 is not the asymptote:
+/// −3/2 (a shadow's edge cuts it). A fit over N = 1…256 is not the asymptote:
 /// the first steps fall less (map and cosines are not yet smooth at the strata's size), and across a penumbra the
 /// smooth part of the variance goes first, faster than the edge's.
 const SMOOTH: (f64, f64) = (-2.05, -1.75);
@@ -195,7 +195,12 @@ fn slopes_are_those_of_theory(outcome: &CaseOutcome, strategy: &StrategyOutcome)
         );
         assert!(rate.slope_low <= rate.slope && rate.slope <= rate.slope_high, "{place}");
         match strategy.strategy {
-            Strategy::Random | Strategy::Correlated => {
+            Strategy::Random
+            | Strategy::Correlated
+            | Strategy::SolidAngle
+            | Strategy::Cosine
+            | Strategy::MisBalance
+            | Strategy::MisPower => {
                 // The variance of a mean of N independent terms is exactly 1/N of one's, at every N.
                 let allowed = WIDENED * 0.5 * (rate.slope_high - rate.slope_low);
                 assert!((rate.slope + 1.0).abs() <= allowed, "{place}, not as 1/N");
@@ -212,6 +217,7 @@ fn slopes_are_those_of_theory(outcome: &CaseOutcome, strategy: &StrategyOutcome)
                     }
                 }
             }
+            other => panic!("{other} is none of the three"),
         }
     }
 }

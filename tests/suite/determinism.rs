@@ -18,6 +18,7 @@ fn cases() -> Vec<Case> {
 /// Sample counts beside and beyond a block, replicates that do not divide into the batches.
 fn settings(seed: u64) -> Settings {
     let overrides = Overrides {
+        strategies: Some(Strategy::ALL.to_vec()),
         samples: Some(vec![1, 4, 37, 200]),
         replicates: Some(Replicates::Fixed(77)),
         ..Overrides::default()

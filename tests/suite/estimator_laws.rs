@@ -10,7 +10,9 @@ use etendue::configuration::{Arrangement, Configuration, Source};
 use etendue::estimator::{AreaEstimator, Estimator, Job, Scratch};
 use etendue::geometry::{DVec3, Disk, Mesh, Shape};
 use etendue::radiometry::Exitance;
-use etendue::sampling::{BLOCK, LANES, Lanes, Pattern, Purpose, Squares, Strategy, StreamKey, Surface, SurfaceBlock};
+use etendue::sampling::{
+    BLOCK, LANES, Lanes, Pattern, Purpose, Squares, Strategy, StreamKey, Surface, SurfaceBlock, Technique,
+};
 
 /// Of every kind of source and blocker one at least.
 const NAMES: [&str; 8] = [
@@ -38,6 +40,10 @@ fn thinned(name: &str) -> Configuration {
     let receiver = whole.receiver().cloned();
     Configuration::new(whole.sources().to_vec(), whole.occluders().to_vec(), receiver, points, Arrangement::Scattered)
         .expect("a part of a sound case")
+}
+
+fn by_area() -> impl Iterator<Item = Strategy> {
+    Strategy::ALL.into_iter().filter(|strategy| strategy.technique() == Technique::Area)
 }
 
 fn key(strategy: Strategy, samples: u64) -> StreamKey {
@@ -121,7 +127,7 @@ fn blocks(shape: &Shape, from: DVec3, to: DVec3) -> bool {
 fn agrees_with_the_plain_sum(name: &str, configuration: &Configuration) {
     let (first, count) = (3, 5);
     let (mut lit, mut dark) = (0, 0);
-    for strategy in Strategy::ALL {
+    for strategy in by_area() {
         for samples in COUNTS {
             let estimates = estimate(configuration, strategy, samples, first..first + count);
             for point in 0..configuration.points().len() {
@@ -169,7 +175,7 @@ fn a_mesh_is_the_sum_of_its_triangles() {
 #[test]
 fn replicates_may_be_estimated_in_any_portions() {
     let configuration = thinned("penumbra/two-shadows");
-    for strategy in Strategy::ALL {
+    for strategy in by_area() {
         for samples in COUNTS {
             let whole = estimate(&configuration, strategy, samples, 0..150);
             let parts =
@@ -193,7 +199,7 @@ fn an_occluder_only_ever_takes_light_away() {
         let points = whole.points().to_vec();
         Configuration::new(whole.sources().to_vec(), occluders, None, points, Arrangement::Scattered).unwrap()
     };
-    for strategy in Strategy::ALL {
+    for strategy in by_area() {
         for samples in COUNTS {
             let [none, one, both] = [0, 1, 2].map(|n| estimate(&with(n), strategy, samples, 0..20));
             for ((none, one), both) in none.iter().zip(&one).zip(&both) {
@@ -217,7 +223,7 @@ fn light_is_proportional_to_exitance_and_adds_up_over_sources() {
         let occluders = room.occluders().to_vec();
         Configuration::new(sources.collect(), occluders, None, points, Arrangement::Scattered).unwrap()
     };
-    for strategy in Strategy::ALL {
+    for strategy in by_area() {
         let of = |factors| estimate(&with(factors), strategy, 16, 0..20);
         let (left, right, both, twice) = (of([1.0, 0.0]), of([0.0, 1.0]), of([1.0, 1.0]), of([2.0, 2.0]));
         for i in 0..both.len() {
@@ -231,7 +237,7 @@ fn light_is_proportional_to_exitance_and_adds_up_over_sources() {
 fn source_points_lie_on_their_source() {
     let disk = Shape::Disk(Disk::new(DVec3::new(1.0, 2.0, 3.0), DVec3::new(1.0, -2.0, 0.5), 0.7).unwrap());
     let Shape::Disk(flat) = &disk else { panic!("a disk") };
-    for strategy in Strategy::ALL {
+    for strategy in by_area() {
         for samples in COUNTS {
             for at in source_points(&disk, strategy, samples, key(strategy, samples)) {
                 let offset = at - flat.center();

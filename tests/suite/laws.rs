@@ -7,6 +7,8 @@ use etendue::radiometry::Exitance;
 use proptest::collection::vec;
 use proptest::prelude::*;
 
+use crate::gauss::Gauss;
+
 /// A shape as numbers, so that it can be moved, turned and scaled.
 #[derive(Clone, Debug)]
 struct Figure {
@@ -204,38 +206,15 @@ proptest! {
     }
 }
 
-/// Gauss–Legendre nodes and weights on [0, 1], by Newton on the Legendre polynomial.
-fn gauss(n: usize) -> Vec<(f64, f64)> {
-    (0..n)
-        .map(|i| {
-            let mut x = (std::f64::consts::PI * (i as f64 + 0.75) / (n as f64 + 0.5)).cos();
-            let mut slope = 1.0;
-            for _ in 0..50 {
-                let (mut p0, mut p1) = (1.0, x);
-                for k in 2..=n {
-                    let k = k as f64;
-                    (p0, p1) = (p1, ((2.0 * k - 1.0) * x * p1 - (k - 1.0) * p0) / k);
-                }
-                slope = n as f64 * (x * p1 - p0) / (x * x - 1.0);
-                x -= p1 / slope;
-            }
-            (0.5 * (1.0 + x), 1.0 / ((1.0 - x * x) * slope * slope))
-        })
-        .collect()
-}
-
 /// Flux that a rectangle receives from another of exitance 1, W: the exact inner factor, outer cubature.
-fn flux(from: &Rectangle, to: &Rectangle, occluders: &[Shape], nodes: usize) -> f64 {
-    let rule = gauss(nodes);
+fn flux(from: &Rectangle, to: &Rectangle, occluders: &[Shape], nodes: u32) -> f64 {
+    let gauss = Gauss::new(nodes);
     let corner = to.corners()[0];
-    let mut sum = 0.0;
-    for (s, ws) in &rule {
-        for (t, wt) in &rule {
-            let at = corner + to.edge_u() * *s + to.edge_v() * *t;
-            sum += ws * wt * factor(&truth(&[Shape::Rectangle(*from)], occluders, at, to.normal()));
-        }
-    }
-    sum * to.area()
+    let at = |s: f64, t: f64| {
+        let position = corner + to.edge_u() * s + to.edge_v() * t;
+        factor(&truth(&[Shape::Rectangle(*from)], occluders, position, to.normal()))
+    };
+    gauss.over([0.0, 1.0], |s| gauss.over([0.0, 1.0], |t| at(s, t))) * to.area()
 }
 
 #[test]

@@ -10,6 +10,9 @@ mod convergence;
 mod determinism;
 mod estimator_laws;
 mod exact;
+mod first_met;
+mod gauss;
+mod icosphere;
 mod laws;
 mod meshes;
 mod papers;
@@ -17,6 +20,8 @@ mod published;
 mod radiometry;
 #[cfg(all(feature = "cli", feature = "plots"))]
 mod reference;
+mod samplers;
 mod shipped_cases;
+mod techniques;
 mod walls;
 mod witness;

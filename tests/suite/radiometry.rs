@@ -12,6 +12,7 @@ use etendue::radiometry::{
 };
 
 use crate::closed_forms::Table;
+use crate::icosphere::icosphere;
 
 fn irradiance(source: Shape, exitance: Exitance, at: DVec3, normal: DVec3) -> Irradiance {
     let point = MeasurementPoint::new(at, normal).unwrap();
@@ -41,46 +42,17 @@ fn a_closed_surface_receives_all_of_a_point_source() {
     }
 }
 
-/// An icosahedron whose faces are split in four `levels` times, its corners drawn out to the unit sphere.
-fn icosphere(levels: u32) -> Vec<[DVec3; 3]> {
-    let golden = 0.5 * (1.0 + 5.0_f64.sqrt());
-    let corners: Vec<DVec3> = [(1.0, golden), (-1.0, golden), (1.0, -golden), (-1.0, -golden)]
-        .into_iter()
-        .flat_map(|(a, b)| [DVec3::new(0.0, a, b), DVec3::new(a, b, 0.0), DVec3::new(b, 0.0, a)])
-        .collect();
-    let mut faces = Vec::new();
-    // The twelve corners' nearest neighbours are 2 apart: every triple of neighbours is a face.
-    let near = |a: DVec3, b: DVec3| (a.distance(b) - 2.0).abs() < 1e-9;
-    for i in 0..12 {
-        for j in i + 1..12 {
-            for k in j + 1..12 {
-                let [a, b, c] = [corners[i], corners[j], corners[k]];
-                if near(a, b) && near(b, c) && near(c, a) {
-                    faces.push([a, b, c].map(DVec3::normalize));
-                }
-            }
-        }
-    }
-    assert_eq!(faces.len(), 20);
-    for _ in 0..levels {
-        faces = faces
-            .into_iter()
-            .flat_map(|[a, b, c]| {
-                let [ab, bc, ca] = [a + b, b + c, c + a].map(DVec3::normalize);
-                [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
-            })
-            .collect();
-    }
-    faces
-}
-
 #[test]
 fn the_faces_of_an_icosphere_fill_all_directions() {
     let intensity = Intensity::new(3.0);
     for eye in [DVec3::ZERO, DVec3::new(0.2, 0.5, -0.3)] {
         for levels in [0, 2, 4] {
-            let into = |face: [DVec3; 3]| intensity * SolidAngle::new(solid_angle::triangle(eye, face).unwrap());
-            let sum: Flux = icosphere(levels).into_iter().map(into).sum();
+            let ball = icosphere(levels);
+            let into = |face: &[u32; 3]| {
+                let corners = face.map(|i| ball.vertices()[i as usize]);
+                intensity * SolidAngle::new(solid_angle::triangle(eye, corners).unwrap())
+            };
+            let sum: Flux = ball.triangles().iter().map(into).sum();
             assert_relative_eq!(sum.watts(), 3.0 * 4.0 * PI, max_relative = 1e-13);
         }
     }

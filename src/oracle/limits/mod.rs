@@ -22,11 +22,15 @@ pub use path::{NoPath, Path};
 /// What a point sees of the sources: a [`Region`], with the core of an annular eclipse told apart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
+    /// As [`Region::BelowHorizon`].
     BelowHorizon,
+    /// As [`Region::Umbra`].
     Umbra,
     /// Sees the whole outline of every source, and an occluder before one: a closed ring of it is left. A part of the penumbra.
     Antumbra,
+    /// As [`Region::Penumbra`], but for the antumbra.
     Penumbra,
+    /// As [`Region::Lit`].
     Lit,
 }
 
@@ -71,10 +75,13 @@ pub struct Limit {
     pub distance: f64,
     /// Metres.
     pub position: DVec3,
+    /// On the side of the line's first end.
     pub before: Phase,
+    /// On the side of its last end.
     pub after: Phase,
     /// The distance is off by no more than this, metres.
     pub bound: f64,
+    /// How it was found.
     pub method: LimitMethod,
 }
 

@@ -9,10 +9,13 @@ use crate::configuration::{Arrangement, Configuration, MeasurementPoint, Receive
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum NoPath {
+    /// Scattered points, or a grid of them.
     #[error("limits lie along a line, and its points are no line: give it `measure.line = {{ from, to, points }}`")]
     NotALine,
+    /// A line of one point.
     #[error("limits lie along a line, and its line has a single point")]
     NoLength,
+    /// Normals that differ along the line, and no sphere that tells how they turn between points.
     #[error("limits lie along a line, and its points turn without a sphere to lie on")]
     TurningNormals,
 }

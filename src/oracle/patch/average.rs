@@ -48,6 +48,7 @@ impl Default for Tolerance {
 /// The mean of the exact irradiance over a patch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Average {
+    /// The mean over the patch, W/m².
     pub irradiance: Irradiance,
     /// Estimated error: of both quadratures, of the point values, of rounding; it may be larger than what was asked for.
     pub bound: Irradiance,

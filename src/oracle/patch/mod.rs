@@ -26,17 +26,33 @@ pub use surface::Patch;
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum PatchError {
+    /// A length or an area that is none.
     #[error("{field} is {said}; it is finite and greater than zero (metres, an area square metres)")]
-    Length { field: &'static str, said: f64 },
+    Length {
+        /// Which of the arguments.
+        field: &'static str,
+        /// Its value.
+        said: f64,
+    },
+    /// Lengths so uneven that the closed form leaves the range of f64.
     #[error(
         "the lengths differ by a factor of {ratio:.3e}; up to {:e} the formula keeps its digits",
         Self::MOST_UNEVEN
     )]
-    TooUneven { ratio: f64 },
+    TooUneven {
+        /// The largest length over the smallest.
+        ratio: f64,
+    },
+    /// A patch that does not fit on its sphere.
     #[error("the patch is {share} times as large as the sphere that it lies on")]
-    LargerThanSphere { share: f64 },
+    LargerThanSphere {
+        /// The patch's area over the sphere's.
+        share: f64,
+    },
+    /// A patch that lies so far out that what is added to its coordinates overflows.
     #[error("the coordinates leave the range of f64")]
     OutOfRange,
+    /// What is wrong with the patches and occluders as a configuration.
     #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
     Configuration(Vec<ConfigurationError>),
 }

@@ -10,9 +10,13 @@ use crate::geometry::{Disk, Frame, Polygon, Rectangle, Shape, Triangle};
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Patch {
+    /// A disk.
     Disk(Disk),
+    /// A rectangle.
     Rectangle(Rectangle),
+    /// A triangle.
     Triangle(Triangle),
+    /// A simple polygon, convex or not.
     Polygon(Polygon),
 }
 

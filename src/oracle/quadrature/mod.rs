@@ -19,7 +19,7 @@
 mod blocker;
 mod breaks;
 mod curves;
-pub(super) mod rule;
+mod rule;
 mod strip;
 mod view;
 mod witness;

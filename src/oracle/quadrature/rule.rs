@@ -1,4 +1,4 @@
-//! Rules of quadrature: adaptive Gauss–Kronrod for what must be searched, Gauss for what is known to be smooth.
+//! Rules of quadrature: adaptive Gauss–Kronrod for what must be searched, and where its panels end.
 
 use std::f64::consts::PI;
 
@@ -165,14 +165,6 @@ fn total<const N: usize>(panels: &[Panel<N>]) -> Integral<N> {
     sum
 }
 
-/// ∫ over [middle − half, middle + half] by Gauss's ten points.
-///
-/// - error: relative to the largest value, below 1e-17 for what is analytic within four half-lengths of the middle
-pub(in crate::oracle) fn gauss_10(middle: f64, half: f64, mut integrand: impl FnMut(f64) -> f64) -> f64 {
-    let pair = |(x, w): (f64, f64)| w * (integrand(middle - half * x) + integrand(middle + half * x));
-    half * GAUSS_10.into_iter().map(pair).sum::<f64>()
-}
-
 /// Where panels end that suit a peak of width `width` at `peak`, between two ends: geometric on both sides of it.
 pub(super) fn around_a_peak(peak: f64, width: f64, low: f64, high: f64, ends: &mut Vec<f64>) {
     let reach = (high - peak).abs().max((low - peak).abs());
@@ -189,15 +181,6 @@ pub(super) fn around_a_peak(peak: f64, width: f64, low: f64, high: f64, ends: &m
         step *= 4.0;
     }
 }
-
-/// Positive nodes and weights of Gauss's 10-point rule on [−1, 1] (Abramowitz & Stegun 1964, table 25.4).
-const GAUSS_10: [(f64, f64); 5] = [
-    (0.148_874_338_981_631_22, 0.295_524_224_714_752_87),
-    (0.433_395_394_129_247_2, 0.269_266_719_309_996_35),
-    (0.679_409_568_299_024_4, 0.219_086_362_515_982_04),
-    (0.865_063_366_688_984_5, 0.149_451_349_150_580_6),
-    (0.973_906_528_517_171_7, 0.066_671_344_308_688_14),
-];
 
 /// Nodes on [−1, 1] with the weights of Kronrod's 21-point rule and of the 10-point Gauss rule in it (QUADPACK, 1983).
 const KRONROD_21: [(f64, f64, f64); 21] = {
@@ -302,12 +285,6 @@ mod tests {
             [f(x)]
         };
         (integrate(breaks, ends, 1e-15, 4000, integrand, demand), asked)
-    }
-
-    #[test]
-    fn ten_points_are_exact_for_degree_19() {
-        let found = gauss_10(0.5, 0.5, |x| 20.0 * x.powi(19));
-        assert_relative_eq!(found, 1.0, max_relative = 2e-15);
     }
 
     #[test]

@@ -12,8 +12,9 @@ use std::cell::Cell;
 
 use glam::DVec3;
 
-use super::rule::{self, Demand, Ends, PER_PI, around_a_peak, gauss_10};
+use super::rule::{self, Demand, Ends, PER_PI, around_a_peak};
 use super::view::{Cosine, Stretch, Strip, View};
+use crate::number::gauss_10;
 
 /// Exitance (any unit) at a place on the source, given relative to the source's centre in the bodies' unit.
 pub(super) type Emission<'a> = &'a dyn Fn(DVec3) -> f64;

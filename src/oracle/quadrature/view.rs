@@ -6,6 +6,7 @@ use super::super::body::{Body, Figure};
 use super::blocker::Blocker;
 use super::breaks;
 use crate::geometry::Frame;
+use crate::number::Wide;
 
 /// The strips' frame on the source's plane. Lengths are in a unit of the view's own, a power of two that brings the
 /// source's distance near one; points are relative to the eye.
@@ -130,17 +131,24 @@ impl<'a> View<'a> {
             [frame.tangent * cos + frame.bitangent * sin, frame.bitangent * cos - frame.tangent * sin]
         };
         // Relative to the anchor, but for their share along `down`.
+        let mut slip = 0.0_f64;
         let corners: Vec<[DVec3; 2]> = match &source.figure {
             Figure::Flat(shape) => {
-                let base = shape.origin - if at_foot { eye } else { source.center };
-                let at = |i: u32| (base + shape.offsets[i as usize]) / unit;
-                shape.edges.iter().map(|edge| edge.map(at)).collect()
+                let (base, lost) = sum(shape.origin, -if at_foot { eye } else { source.center });
+                let mut at = |i: u32| {
+                    let (corner, lost_again) = sum(base, shape.offsets[i as usize]);
+                    slip = slip.max((lost.length() + lost_again.length()) / unit);
+                    corner / unit
+                };
+                shape.edges.iter().map(|edge| edge.map(&mut at)).collect()
             }
             _ => Vec::new(),
         };
         let [e1, e2] = axes(least_parallel(&corners, &blockers, down, &axes));
         let outline = match &source.figure {
-            Figure::Flat(_) => Outline::Edges(corners.iter().map(|edge| Edge::new(*edge, down, e1, e2)).collect()),
+            Figure::Flat(_) => {
+                Outline::Edges(corners.iter().map(|edge| Edge::new(*edge, slip, down, e1, e2)).collect())
+            }
             Figure::Mesh(_) => return None,
             Figure::Ball { .. } => {
                 Outline::Circle(Round::new(DVec3::ZERO, reach * (height / middle.length()).sqrt(), e1, e2))
@@ -271,6 +279,12 @@ fn rounding(a: DVec3, b: DVec3) -> f64 {
     f64::EPSILON * a.abs().dot(b.abs())
 }
 
+/// a + b, and what rounding took from it.
+fn sum(a: DVec3, b: DVec3) -> (DVec3, DVec3) {
+    let lost = |a: f64, b: f64| (Wide::sum(a, b) + -(a + b)).narrow();
+    (a + b, DVec3::new(lost(a.x, b.x), lost(a.y, b.y), lost(a.z, b.z)))
+}
+
 impl Round {
     fn new(center: DVec3, radius: f64, e1: DVec3, e2: DVec3) -> Round {
         let distance = center.length();
@@ -309,7 +323,8 @@ impl Round {
 
 impl Edge {
     /// - `ends`: relative to the anchor, but for what lies along `down`
-    fn new(ends: [DVec3; 2], down: DVec3, e1: DVec3, e2: DVec3) -> Edge {
+    /// - `slip`: how far off either end may be
+    fn new(ends: [DVec3; 2], slip: f64, down: DVec3, e1: DVec3, e2: DVec3) -> Edge {
         let [p, q] = ends;
         let along = q - p;
         let [run, rise] = [along.dot(e1), along.dot(e2)];
@@ -321,7 +336,7 @@ impl Edge {
         Edge {
             ends: ends.map(|p| [p.dot(e1), p.dot(e2)]),
             level: -area / run,
-            level_doubt: f64::EPSILON * terms / run.abs(),
+            level_doubt: (f64::EPSILON * terms + slip * along.length()) / run.abs(),
             slope: rise / run,
         }
     }

@@ -26,6 +26,12 @@ pub enum Dash {
     Dashed,
     Dotted,
     Alternating,
+    /// Long dashes.
+    Striding,
+    /// A dash and two dots.
+    Morse,
+    /// Short dashes.
+    Tripping,
 }
 
 impl Dash {
@@ -36,6 +42,9 @@ impl Dash {
             Dash::Dashed => Some(&[7.0, 4.0]),
             Dash::Dotted => Some(&[1.8, 3.2]),
             Dash::Alternating => Some(&[8.0, 3.0, 1.8, 3.0]),
+            Dash::Striding => Some(&[13.0, 4.0]),
+            Dash::Morse => Some(&[8.0, 3.0, 1.8, 3.0, 1.8, 3.0]),
+            Dash::Tripping => Some(&[4.0, 2.5]),
         }
     }
 }
@@ -46,6 +55,11 @@ pub enum Marker {
     Square,
     Triangle,
     Diamond,
+    /// A triangle on its tip.
+    Funnel,
+    /// An upright cross.
+    Plus,
+    Star,
 }
 
 impl Marker {
@@ -56,6 +70,34 @@ impl Marker {
             Marker::Square => &[(-0.9, -0.9), (0.9, -0.9), (0.9, 0.9), (-0.9, 0.9)],
             Marker::Triangle => &[(0.0, -1.3), (1.2, 0.8), (-1.2, 0.8)],
             Marker::Diamond => &[(0.0, -1.3), (1.2, 0.0), (0.0, 1.3), (-1.2, 0.0)],
+            Marker::Funnel => &[(0.0, 1.3), (-1.2, -0.8), (1.2, -0.8)],
+            Marker::Plus => &[
+                (-0.4, -1.2),
+                (0.4, -1.2),
+                (0.4, -0.4),
+                (1.2, -0.4),
+                (1.2, 0.4),
+                (0.4, 0.4),
+                (0.4, 1.2),
+                (-0.4, 1.2),
+                (-0.4, 0.4),
+                (-1.2, 0.4),
+                (-1.2, -0.4),
+                (-0.4, -0.4),
+            ],
+            // Five tips at 1.5, five notches at 0.66.
+            Marker::Star => &[
+                (0.0, -1.5),
+                (0.388, -0.534),
+                (1.427, -0.464),
+                (0.628, 0.204),
+                (0.882, 1.214),
+                (0.0, 0.66),
+                (-0.882, 1.214),
+                (-0.628, 0.204),
+                (-1.427, -0.464),
+                (-0.388, -0.534),
+            ],
         }
     }
 }
@@ -68,7 +110,9 @@ pub struct Look {
     pub dash: Dash,
 }
 
-/// Colours of Okabe and Ito (2008): blue, vermilion, bluish green.
+/// Colours of Okabe and Ito (2008), all but yellow, which is lost on white: blue, vermilion, bluish green, orange, sky blue,
+/// reddish purple, black; for techniques beside sampling by area those of Tol's muted scheme (2021): indigo, wine, olive,
+/// purple.
 pub fn look(strategy: Strategy) -> Look {
     match strategy {
         Strategy::Random => Look { colour: RGBColor(0x00, 0x72, 0xb2), marker: Marker::Circle, dash: Dash::Solid },
@@ -77,6 +121,26 @@ pub fn look(strategy: Strategy) -> Look {
         }
         Strategy::Stratified => {
             Look { colour: RGBColor(0x00, 0x9e, 0x73), marker: Marker::Triangle, dash: Dash::Alternating }
+        }
+        Strategy::UniformJitter => {
+            Look { colour: RGBColor(0xe6, 0x9f, 0x00), marker: Marker::Funnel, dash: Dash::Dotted }
+        }
+        Strategy::LatinHypercube => {
+            Look { colour: RGBColor(0x56, 0xb4, 0xe9), marker: Marker::Plus, dash: Dash::Striding }
+        }
+        Strategy::MultiJittered => {
+            Look { colour: RGBColor(0xcc, 0x79, 0xa7), marker: Marker::Diamond, dash: Dash::Morse }
+        }
+        Strategy::Sobol => Look { colour: RGBColor(0x00, 0x00, 0x00), marker: Marker::Star, dash: Dash::Tripping },
+        Strategy::SolidAngle => {
+            Look { colour: RGBColor(0x33, 0x22, 0x88), marker: Marker::Diamond, dash: Dash::Dotted }
+        }
+        Strategy::Cosine => Look { colour: RGBColor(0x88, 0x22, 0x55), marker: Marker::Circle, dash: Dash::Dashed },
+        Strategy::MisBalance => {
+            Look { colour: RGBColor(0x99, 0x99, 0x33), marker: Marker::Square, dash: Dash::Dotted }
+        }
+        Strategy::MisPower => {
+            Look { colour: RGBColor(0xaa, 0x44, 0x99), marker: Marker::Triangle, dash: Dash::Dashed }
         }
     }
 }
@@ -87,5 +151,13 @@ pub fn shown(strategy: Strategy) -> &'static str {
         Strategy::Random => "random",
         Strategy::Correlated => "shared points",
         Strategy::Stratified => "stratified",
+        Strategy::UniformJitter => "uniform jitter",
+        Strategy::LatinHypercube => "Latin hypercube",
+        Strategy::MultiJittered => "multi-jittered",
+        Strategy::Sobol => "Sobol’, scrambled",
+        Strategy::SolidAngle => "solid angle",
+        Strategy::Cosine => "cosine",
+        Strategy::MisBalance => "MIS, balance",
+        Strategy::MisPower => "MIS, power",
     }
 }

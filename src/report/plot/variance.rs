@@ -119,11 +119,11 @@ fn draw_group(page: &mut Page, panel: &Panel, group: &Group) {
 
 /// Each expected slope once, beside the curves that it belongs to: the shallowest above all data, the others below.
 fn draw_guides(page: &mut Page, panel: &Panel, group: &Group) {
-    let mut slopes: Vec<f64> = group.rates.iter().map(|(_, r)| r.expected_slope).collect();
+    let mut slopes: Vec<f64> = group.rates.iter().map(|(_, r)| r.asymptote).collect();
     slopes.sort_by(|a, b| b.total_cmp(a));
     slopes.dedup();
     for (k, slope) in slopes.iter().enumerate() {
-        let own = || group.rates.iter().filter(|(_, r)| r.expected_slope == *slope).flat_map(|(_, r)| positive(r));
+        let own = || group.rates.iter().filter(|(_, r)| r.asymptote == *slope).flat_map(|(_, r)| positive(r));
         let last = own().map(|p| p.0).max().unwrap_or(1) as f64;
         let first = own().map(|p| p.0).min().unwrap_or(1) as f64;
         // Through the point that leaves all of the curve on one side.

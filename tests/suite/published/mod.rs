@@ -2,7 +2,6 @@
 //!
 //! After a row is added, `UPDATE_TABLES=1 cargo test published` writes them anew.
 
-mod gauss;
 mod geometry;
 mod patches;
 mod points;

@@ -13,9 +13,9 @@ use etendue::oracle::patch::{
     Patch, Tolerance, disk_to_disk, patch_to_patch, rectangle_to_adjoining_rectangle, rectangle_to_opposite_rectangle,
 };
 
-use super::gauss::{Gauss, graded, panels};
 use super::geometry::{Thing, occluders, room, the, things};
 use super::{Pair, Row};
+use crate::gauss::{Gauss, graded, panels};
 
 const DISKS: [(&str, &str); 4] = [
     (

@@ -1,0 +1,176 @@
+//! Words for `etendue explain`: what a verdict means, what it does not say, and where it comes from.
+
+use crate::case;
+use crate::sampling::Strategy;
+
+const VERDICT: &str = "\
+A verdict answers one question: has a stated quantity the mean that the exact side gives it?
+
+  pass       no evidence against it, and a deviation that matters would have been caught with 99 %
+             probability: `seen from 0.34 / 10 %` means no bias above 0.34 % in the mean over the points,
+             none above 10 % at the worst point that a tenth of the light reaches
+  fail       the evidence against it has reached 10^6
+  undecided  no evidence, and too little data to have seen such a deviation; more replicates decide
+
+Evidence is the capital of a bettor who starts with 1 and is offered no favourable game while the
+statement holds: from observations X of a mean m and a variance of at most v, with d = X - m, the product
+of exp(l d - l^2 (d^2 + 2v)/6) cannot grow on average, for any l, because exp(y - y^2/6) <= 1 + y + y^2/3
+(Delyon 2009). So it ever reaches 1/alpha with probability at most alpha (Ville 1939): whatever the
+distribution, however few the samples, whenever one looks. alpha is 1e-6 a verdict, fixed. The capitals of
+many bets, points, contrasts and sample counts are averaged: an average of such capitals is one.
+
+The price: some 8.1 standard errors are caught where a normal test at the same level needs 7.2.
+
+What is judged, each with v from the exact side (a pilot run where it predicts none, and the words say so):
+  bias        the mean estimate is the exact irradiance, at every point, in the mean and in contrasts
+  variance    squared errors have the predicted variance as their mean; smaller ones are a fault too
+  covariance  the same of the mean over the points and of contrasts: errors that move together
+
+What a pass does not say: nothing about places that were not measured; nothing below what it was `seen
+from`; nothing about a bias that hides in fewer than one sample in a thousand unless the variance was
+predicted (it then shows as too small a variance); nothing about speed; and nothing about the exact side
+itself, whose own bound is added to the interval that m may lie in. A bias verdict leans on its variance
+verdict: read them together.
+";
+
+const BIAS: &str = "\
+bias: the mean estimate at every sample count is the exact irradiance.
+
+  statement   E X = E(x) within the exact value's bound, sixteen roundings and the study's `tolerance`
+  judged for  each point; the mean over the points; four cosine contrasts along the points (a bias that
+              cancels in the mean is a bias); each sample count N alone, and all together (a 1/N bias hides
+              in the pool, a constant one in the parts)
+  variance    predicted by the exact side; else from a pilot run, two standard errors high, and capped by the
+              largest contribution that one sample can make
+  effect      relative deviation with its 95 % interval, of the mean; of a failure, of what failed worst
+  pass        see `etendue explain verdict`; thresholds by `smallest_bias` in a case, --smallest-bias, --thorough
+
+What it does not say: uniform sampling close to a source can miss a spike in every replicate and report a
+tiny variance with a wrong mean. A predicted variance is not fooled: then the variance verdict fails.
+";
+
+const VARIANCE: &str = "\
+variance: squared errors have the predicted variance as their mean.
+
+  random, correlated   (A sum over sources of the integral of f^2 dA - F^2)/N over the visible source
+  stratified           (1/N^2) sum over strata of the variance within each
+  others               in the table of `etendue explain STRATEGY`
+
+  statement   E (X - E)^2 = v within 0.1 % (the prediction's own error)
+  its spread  (fourth central moment) - v^2, predicted as well
+  judged for  each point and N; where points are fresh, whose estimates are independent, also all together
+  pass        a deviation of 20 % of all variances alike would have been caught with 99 % probability
+
+Both directions are faults: larger errors mean lost stratification, shared streams or a heavy tail that
+should not be there; smaller ones mean points that are not what they claim.
+
+What it does not say: a pass at `0.5 / 15 %` would have seen half a per cent if all variances were off alike,
+15 % if only one sample count were. Where nothing is predicted the variance is shown, and not judged.
+";
+
+const COVARIANCE: &str = "\
+covariance: errors of different points move together as predicted.
+
+The mean over the points, and four cosine contrasts along them, have a variance that is made of all
+covariances: sum over pairs of w_i w_j cov(i, j). With fresh points it is the sum of w_i^2 v_i; with shared points
+the exact side integrates products of what one place brings to both receivers.
+
+  statement   E (sum of w_i (X_i - E_i))^2 is the predicted value, within the prediction's own error
+  pass        a deviation of 20 % would have been caught with 99 % probability
+
+Caught by it: one random stream used by neighbouring points, a pattern that is shared though it claims to be
+fresh (or the reverse), dependent replicates.
+
+What it does not say: five combinations are not all pairs. correlation.csv shows the pairs by separation.
+";
+
+const RATE: &str = "\
+rate: how variance falls with the number of samples N, as the slope of log variance over log N.
+
+  slope      weighted least squares; weights from the spread between 32 batches of replicates
+  interval   95 %, Student's t
+  expected   the same fit of the predicted variances over the same N: a finite range is not the asymptote
+  asymptote  -1 independent points; one point a stratum: -2 where the integrand is smooth, -3/2 where a
+             shadow's edge cuts the source (Mitchell 1996); drawn beside the curve
+  verdict    fail where the expected slope lies outside the interval of probability 1 - 1e-6; undecided where the
+             95 % interval is wider than 0.5; shown in rates.csv, and part of no exit code: the variances
+             that it is made of are judged themselves
+";
+
+const CORRELATION: &str = "\
+correlation: of the errors of two points, against their distance.
+
+  measured    mean over the pairs at one separation, of the first 512 replicates; 95 % interval by leaving out
+              a sixteenth of the replicates at a time, on Fisher's scale
+  predicted   0 where points are fresh; for shared points from products integrated over the source
+  judged      not pair by pair; the covariance verdict does it
+";
+
+const REGION: &str = "\
+region: what a point sees of the sources, decided from outlines and not from numbers.
+
+  lit            all of every source
+  penumbra       a part
+  umbra          nothing, and an occluder is why
+  below_horizon  nothing, because every source lies below the point's own plane or turns away
+  edge           cannot be told within the bound
+";
+
+const TOPICS: [(&str, &str, &str); 7] = [
+    ("verdict", "pass, fail, undecided: what they promise", VERDICT),
+    ("bias", "the mean estimate is the exact irradiance", BIAS),
+    ("variance", "errors are as large as predicted", VARIANCE),
+    ("covariance", "errors move together as predicted", COVARIANCE),
+    ("rate", "slopes of log variance over log N", RATE),
+    ("correlation", "errors of two points against their distance", CORRELATION),
+    ("region", "lit, penumbra, umbra, below_horizon, edge", REGION),
+];
+
+/// What can be explained.
+pub(super) fn contents() -> String {
+    let mut text = String::from("etendue explain NAME\n\n");
+    for (name, what, _) in TOPICS {
+        text += &format!("  {name:<18} {what}\n");
+    }
+    text.push('\n');
+    for strategy in Strategy::ALL {
+        text += &format!("  {:<18} {}\n", strategy.name(), strategy.meaning());
+    }
+    text + "\n  or a shipped case: etendue list names them\n"
+}
+
+/// The text on a name, or `None` where there is nothing of it.
+pub(super) fn text(name: &str) -> Option<String> {
+    if let Some((_, _, text)) = TOPICS.iter().find(|(topic, ..)| *topic == name) {
+        return Some((*text).to_owned());
+    }
+    if let Some(strategy) = Strategy::from_name(name) {
+        return Some(of_strategy(strategy));
+    }
+    let shipped = case::shipped().find(|shipped| shipped.name() == name)?;
+    let comment = shipped.text().lines().take_while(|line| line.starts_with('#'));
+    let comment: Vec<&str> = comment.map(|line| line.trim_start_matches('#').trim_start_matches(' ')).collect();
+    Some(format!("{name}\n\n{}\n", comment.join("\n").trim_end()))
+}
+
+fn of_strategy(strategy: Strategy) -> String {
+    let shared = if strategy.shares_points() {
+        "one set for all shading points of a replicate"
+    } else {
+        "fresh for each shading point"
+    };
+    format!(
+        "{strategy}: {}\n\n  draws      {:?}, {:?}\n  points     {shared}\n",
+        strategy.meaning(),
+        strategy.technique(),
+        strategy.point_set()
+    )
+}
+
+/// What to say of an unknown name.
+pub(super) fn unknown(name: &str) -> String {
+    let strategies = Strategy::ALL.into_iter().map(Strategy::name);
+    let names = TOPICS.iter().map(|(topic, ..)| *topic).chain(strategies).chain(case::shipped().map(|c| c.name()));
+    let near = case::nearest(name, names).map(|near| format!("; did you mean `{near}`?")).unwrap_or_default();
+    format!("nothing is known of `{name}`{near} (`etendue explain` lists what there is)")
+}

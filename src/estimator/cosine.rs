@@ -1,0 +1,97 @@
+//! Sampling by cosine: directions of the hemisphere that must find the sources by themselves.
+//!
+//! With N directions ω_k of density cosθᵢ/π, one set for all sources together, and M(ω) the exitance of the source whose lit
+//! side is met first along ω (zero where an occluder, a dark side or nothing is met),
+//!
+//! ```text
+//! E(x) ≈ (1/N) Σ_k  M(ω_k)
+//! ```
+//!
+//! The cosine and π are in the density. Each term is a lottery: with F_S the visible part's form factor the variance of one
+//! is Σ M_S² F_S − (Σ M_S F_S)², whatever the shapes.
+
+use super::draws::{hemisphere_key, mean};
+use super::{Estimator, Job, Scratch};
+use crate::configuration::Configuration;
+use crate::sampling::{DirectionBlock, LANES, Squares, cosine_weighted, groups};
+use crate::scene::{Met, Surroundings};
+
+/// Estimates irradiance by cosine-weighted directions of the hemisphere.
+pub struct CosineEstimator {
+    surroundings: Surroundings,
+    /// W/m², one for each source.
+    exitances: Vec<f64>,
+    arch: pulp::Arch,
+}
+
+impl CosineEstimator {
+    /// Prepares shapes and hierarchies.
+    pub fn new(configuration: &Configuration) -> CosineEstimator {
+        let exitances = configuration.sources().iter().map(|source| source.exitance().watts_per_square_metre());
+        CosineEstimator {
+            surroundings: Surroundings::new(configuration),
+            exitances: exitances.collect(),
+            arch: pulp::Arch::new(),
+        }
+    }
+}
+
+impl Estimator for CosineEstimator {
+    /// N, however many sources there are.
+    fn rays_per_estimate(&self, samples: u64) -> u64 {
+        samples
+    }
+
+    fn estimate(&self, job: &Job, _: &mut Scratch, estimates: &mut [f64]) {
+        self.arch.dispatch(Estimate { estimator: self, job, estimates });
+    }
+}
+
+struct Estimate<'a, 'b> {
+    estimator: &'a CosineEstimator,
+    job: &'a Job<'b>,
+    estimates: &'a mut [f64],
+}
+
+impl pulp::NullaryFnOnce for Estimate<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Estimate { estimator: CosineEstimator { surroundings, exitances, .. }, job, estimates } = self;
+        estimates.fill(0.0);
+        let replicates = (job.replicates.end - job.replicates.start) as usize;
+        if replicates == 0 {
+            return;
+        }
+        let (mut squares, mut directions, mut met) = (Squares::default(), DirectionBlock::default(), Met::default());
+        for (p, (point, row)) in job.points.iter().zip(estimates.chunks_exact_mut(replicates)).enumerate() {
+            for (replicate, estimate) in job.replicates.clone().zip(row.iter_mut()) {
+                *estimate =
+                    mean(job, hemisphere_key(job, replicate, p), &mut squares, |squares: &Squares, len, brought| {
+                        cosine_weighted(point.normal(), squares, len, &mut directions);
+                        surroundings.first_met(point.position(), &directions, len, &mut met);
+                        for g in 0..groups(len) {
+                            for l in 0..LANES {
+                                // No source has the index of nothing.
+                                brought[g][l] = exitances.get(met.source[g][l] as usize).copied().unwrap_or(0.0);
+                            }
+                        }
+                    });
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampling::Strategy;
+
+    #[test]
+    fn instruction_sets_move_no_bit() {
+        crate::estimator::tests::same_bits(Strategy::Cosine, |room| {
+            [pulp::Arch::new(), pulp::Arch::Scalar].map(|arch| CosineEstimator { arch, ..CosineEstimator::new(room) })
+        });
+    }
+}

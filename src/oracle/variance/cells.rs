@@ -1,0 +1,191 @@
+//! Integrals over cells of the unit square, halved until each is wholly seen, wholly hidden, or small.
+
+use super::field::{Contribution, Field, Landing};
+
+/// A rectangle in the unit square.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cell {
+    pub u: [f64; 2],
+    pub v: [f64; 2],
+}
+
+impl Cell {
+    pub const WHOLE: Cell = Cell { u: [0.0, 1.0], v: [0.0, 1.0] };
+
+    pub fn area(&self) -> f64 {
+        (self.u[1] - self.u[0]) * (self.v[1] - self.v[0])
+    }
+
+    fn at(&self, s: f64, t: f64) -> (f64, f64) {
+        (self.u[0] + (self.u[1] - self.u[0]) * s, self.v[0] + (self.v[1] - self.v[0]) * t)
+    }
+
+    fn quarters(&self) -> [Cell; 4] {
+        let (u, v) = self.at(0.5, 0.5);
+        let ([u0, u1], [v0, v1]) = (self.u, self.v);
+        [[[u0, u], [v0, v]], [[u, u1], [v0, v]], [[u0, u], [v, v1]], [[u, u1], [v, v1]]].map(|[u, v]| Cell { u, v })
+    }
+}
+
+/// ∫ density · valueᵠ · Vis over a cell, q = 1 to 4.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Sums(pub [f64; 4]);
+
+impl Sums {
+    pub fn add(&mut self, other: &Sums) {
+        for (sum, x) in self.0.iter_mut().zip(other.0) {
+            *sum += x;
+        }
+    }
+
+    fn add_sample(&mut self, contribution: Contribution, weight: f64) {
+        let mut term = weight * contribution.density;
+        for sum in &mut self.0 {
+            term *= contribution.value;
+            *sum += term;
+        }
+    }
+}
+
+/// How cells are integrated.
+pub(super) struct Cells<'a, F> {
+    pub field: &'a Field<'a>,
+    pub contribution: F,
+    /// Halvings of the first cell after which strata are asked for: no cell above this level is taken whole.
+    pub finest: u32,
+    /// Halvings down to which a cell on an edge is cut.
+    pub edge_level: u32,
+}
+
+/// Beyond the finest strata, too: so often are those on an edge cut.
+const EDGE_BELOW: u32 = 4;
+/// A cell that is hardly narrower than the one that it is a quarter of, and beyond this level, is torn: it will not shrink.
+const TORN_LEVEL: u32 = 11;
+const TORN: f64 = 0.8;
+/// Seen wider than this (radians), a cell is cut: the rule below knows nothing of spikes.
+const WIDEST: f64 = 0.15;
+/// Seen narrower than this, fewer nodes do.
+const NARROW: f64 = 0.04;
+/// How much farther than its corners a cell may reach, as seen from the receiver.
+const BULGE: f64 = 1.3;
+/// No cell above this level is taken whole.
+const SMOOTH_LEVEL: u32 = 4;
+/// How much more often cells on a crease are cut.
+const CREASE_BELOW: u32 = 3;
+
+/// Gauss–Legendre on [0, 1] with three and with four points: (node, weight).
+const GAUSS_3: [(f64, f64); 3] =
+    [(0.112_701_665_379_258_3, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298_334_620_741_7, 5.0 / 18.0)];
+const GAUSS_4: [(f64, f64); 4] = [
+    (0.069_431_844_202_973_71, 0.173_927_422_568_726_93),
+    (0.330_009_478_207_571_87, 0.326_072_577_431_273_07),
+    (0.669_990_521_792_428_13, 0.326_072_577_431_273_07),
+    (0.930_568_155_797_026_3, 0.173_927_422_568_726_93),
+];
+
+impl<F: Fn(&Landing) -> Contribution> Cells<'_, F> {
+    /// The integrals over a cell.
+    ///
+    /// - `level`: halvings that led to it
+    /// - `visit`: told (level, area, integrals) of every cell down to the finest level, a cell after its quarters
+    pub fn sums(&self, cell: Cell, level: u32, visit: &mut impl FnMut(u32, f64, &Sums)) -> Sums {
+        self.part(cell, level, f64::INFINITY, visit)
+    }
+
+    /// - `above`: how far the cell reaches of which this one is a quarter
+    fn part(&self, cell: Cell, level: u32, above: f64, visit: &mut impl FnMut(u32, f64, &Sums)) -> Sums {
+        let sums = self.found(cell, level, above, visit);
+        if level <= self.finest {
+            visit(level, cell.area(), &sums);
+        }
+        sums
+    }
+
+    fn found(&self, cell: Cell, level: u32, above: f64, visit: &mut impl FnMut(u32, f64, &Sums)) -> Sums {
+        let (u, v) = cell.at(0.5, 0.5);
+        let (middle, margin) = self.field.seen(u, v);
+        let places = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(|(s, t)| {
+            let (u, v) = cell.at(s, t);
+            self.field.at(u, v)
+        });
+        let corners = places.map(|(direction, _)| direction);
+        let reach = BULGE * corners.iter().map(|corner| corner.distance(middle)).fold(0.0, f64::max);
+        let is_torn = level > TORN_LEVEL && reach > TORN * above;
+        // The corners of a great cell may lie together (at a pole) and tell nothing of how far it reaches.
+        let may_end = level >= SMOOTH_LEVEL.max(self.finest);
+        if margin.abs() > reach {
+            if margin < 0.0 && may_end {
+                return Sums::default();
+            }
+            let sets = |(_, landing): &(_, Landing)| landing.cos_receiver * landing.cos_source > 0.0;
+            let lit = places.iter().filter(|place| sets(place)).count();
+            // Where light sets, on the receiver's horizon or a sphere's own, the integrand has a corner too.
+            let is_creased = (lit != 0 && lit != 4) || self.field.is_creased(cell.u, cell.v);
+            let smooth = SMOOTH_LEVEL.max(self.finest) + if is_creased { CREASE_BELOW } else { 0 };
+            if level >= smooth && (reach <= WIDEST || is_torn) {
+                return if reach <= NARROW { self.ruled(cell, &GAUSS_3) } else { self.ruled(cell, &GAUSS_4) };
+            }
+        } else if level >= self.edge_level.max(self.finest + EDGE_BELOW) && (reach <= WIDEST || is_torn) {
+            let (u, v) = cell.at(0.5, 0.5);
+            let margins = corners.map(|corner| self.field.margin(corner));
+            let mut sums = Sums::default();
+            let (_, landing) = self.field.at(u, v);
+            sums.add_sample((self.contribution)(&landing), cell.area() * seen_share(margin, margins));
+            return sums;
+        }
+        let mut sums = Sums::default();
+        for quarter in cell.quarters() {
+            sums.add(&self.part(quarter, level + 1, reach, visit));
+        }
+        sums
+    }
+
+    /// A product rule over a cell without an edge.
+    fn ruled(&self, cell: Cell, rule: &[(f64, f64)]) -> Sums {
+        let mut sums = Sums::default();
+        let area = cell.area();
+        for (s, weight_s) in rule {
+            for (t, weight_t) in rule {
+                let (u, v) = cell.at(*s, *t);
+                let (_, landing) = self.field.at(u, v);
+                sums.add_sample((self.contribution)(&landing), area * weight_s * weight_t);
+            }
+        }
+        sums
+    }
+}
+
+/// The share of a cell where the margin is positive, taken as linear on the four triangles around the middle.
+fn seen_share(middle: f64, corners: [f64; 4]) -> f64 {
+    (0..4).map(|i| 0.25 * positive_share([middle, corners[i], corners[(i + 1) % 4]])).sum()
+}
+
+/// The share of a triangle where a linear function of these values at its corners is positive.
+fn positive_share([a, b, c]: [f64; 3]) -> f64 {
+    // The corner whose sign is its own.
+    let (own, p, q) = match (a > 0.0, b > 0.0, c > 0.0) {
+        (true, true, true) => return 1.0,
+        (false, false, false) => return 0.0,
+        (x, y, z) if y == z && x != y => (a, b, c),
+        (x, y, z) if x == z && y != x => (b, a, c),
+        _ => (c, a, b),
+    };
+    let share = (own / (own - p)) * (own / (own - q));
+    if own > 0.0 { share } else { 1.0 - share }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_through_a_triangle_leaves_its_share() {
+        assert_eq!(positive_share([1.0, -1.0, -1.0]), 0.25);
+        assert_eq!(positive_share([-1.0, 1.0, 1.0]), 0.75);
+        assert_eq!(positive_share([-1.0, 3.0, -3.0]), 0.375);
+        // A straight edge through a cell, x < 0.3.
+        let margin = |x: f64| 0.3 - x;
+        let share = seen_share(margin(0.5), [margin(0.0), margin(1.0), margin(1.0), margin(0.0)]);
+        assert!((share - 0.3).abs() < 1e-15, "{share}");
+    }
+}

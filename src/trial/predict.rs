@@ -1,0 +1,205 @@
+//! What the exact side says of the spread of estimates before any is made.
+
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+
+use crate::case::Study;
+use crate::configuration::{Configuration, MeasurementPoint, Source};
+use crate::oracle::Oracle;
+use crate::oracle::variance::{Contribution, RELATIVE_ERROR, SampleMoments, Spread};
+use crate::sampling::{Heuristic, PointSet, Silhouette, Strategy, Technique, View};
+
+/// Predicted spreads of one case, for all strategies of a study.
+pub(super) struct Predictions {
+    /// [point]: one sample on each source, uniform by area.
+    area: Vec<Option<Spread>>,
+    /// [point]: one draw of another technique.
+    others: BTreeMap<Technique, Vec<Option<Spread>>>,
+    /// [point]: one for each sample count of the study, one sample in each stratum.
+    strata: Vec<Option<Vec<Spread>>>,
+    shared: Option<SharedSpreads>,
+}
+
+/// Of one sample on each source that all points share.
+struct SharedSpreads {
+    contrasts: Vec<Tolerated>,
+    /// [pair of `pairs`]: correlation.
+    correlations: Vec<f64>,
+}
+
+/// A spread, and how far off its variance may be, W²/m⁴.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Tolerated {
+    pub spread: Spread,
+    pub error: f64,
+}
+
+impl Tolerated {
+    fn new(spread: Spread) -> Tolerated {
+        Tolerated { spread, error: RELATIVE_ERROR * spread.variance }
+    }
+
+    /// The most that the variance may be, W²/m⁴.
+    pub fn upper_variance(&self) -> f64 {
+        self.spread.variance + self.error
+    }
+}
+
+/// Of one cell: a strategy and a sample count.
+#[derive(Clone, Debug)]
+pub(super) struct CellPrediction {
+    /// [point]; `None` where it is not predicted.
+    pub points: Vec<Option<Tolerated>>,
+    /// [contrast]; `None` unless all points are predicted.
+    pub contrasts: Option<Vec<Tolerated>>,
+}
+
+impl CellPrediction {
+    /// Whether nothing is left for a pilot to tell.
+    pub fn is_complete(&self) -> bool {
+        self.contrasts.is_some() && self.points.iter().all(Option::is_some)
+    }
+}
+
+impl Predictions {
+    /// - `weights`: `[contrast][point]`
+    /// - `pairs`: of points, whose errors' correlation is asked for
+    pub fn new(
+        oracle: &Oracle,
+        configuration: &Configuration,
+        study: &Study,
+        weights: &[Vec<f64>],
+        pairs: &[(usize, usize)],
+    ) -> Predictions {
+        let points = configuration.points();
+        let asks =
+            |set: PointSet| study.strategies.iter().any(|s| s.technique() == Technique::Area && s.point_set() == set);
+        let area = points
+            .par_iter()
+            .map(|point| {
+                (0..configuration.sources().len()).try_fold(Spread::default(), |sum, source| {
+                    Some(sum.plus(oracle.area_moments(source, point)?.spread()))
+                })
+            })
+            .collect();
+        let techniques = study.strategies.iter().map(|strategy| strategy.technique());
+        let others: BTreeMap<Technique, Vec<Option<Spread>>> = techniques
+            .filter(|technique| *technique != Technique::Area)
+            .map(|technique| {
+                let of_point = |point| of_technique(oracle, configuration, technique, point);
+                (technique, points.par_iter().map(of_point).collect())
+            })
+            .collect();
+        let strata = if asks(PointSet::Stratified) {
+            points.par_iter().map(|point| oracle.strata_spreads(point, &study.samples, &strata)).collect()
+        } else {
+            vec![None; points.len()]
+        };
+        let shares = study.strategies.iter().any(|strategy| strategy.shares_points());
+        let shared = shares.then(|| oracle.shared_samples(points, weights, pairs)).flatten().map(|shared| {
+            let contrasts = shared.sums.iter().zip(&shared.sum_errors);
+            let correlation = |((i, j), covariance): (&(usize, usize), &f64)| {
+                let scale = (shared.variances[*i] * shared.variances[*j]).sqrt();
+                if scale > 0.0 { (covariance / scale).clamp(-1.0, 1.0) } else { 0.0 }
+            };
+            SharedSpreads {
+                contrasts: contrasts.map(|(spread, error)| Tolerated { spread: *spread, error: *error }).collect(),
+                correlations: pairs.iter().zip(&shared.covariances).map(correlation).collect(),
+            }
+        });
+        Predictions { area, others, strata, shared }
+    }
+
+    /// What is predicted of a strategy at the study's `index`-th sample count.
+    pub fn cell(&self, strategy: Strategy, study: &Study, index: usize, weights: &[Vec<f64>]) -> CellPrediction {
+        let n = study.samples[index] as f64;
+        let points: Vec<Option<Tolerated>> = match (strategy.technique(), strategy.point_set()) {
+            (Technique::Area, PointSet::Independent) => {
+                self.area.iter().map(|spread| Some(Tolerated::new((*spread)?.mean_of(n)))).collect()
+            }
+            (Technique::Area, PointSet::Stratified) => {
+                self.strata.iter().map(|spreads| Some(Tolerated::new(spreads.as_ref()?[index]))).collect()
+            }
+            (Technique::Area, _) => vec![None; self.area.len()],
+            (technique, _) => {
+                self.others[&technique].iter().map(|spread| Some(Tolerated::new((*spread)?.mean_of(n)))).collect()
+            }
+        };
+        let contrasts = if strategy.shares_points() {
+            self.shared.as_ref().map(|shared| {
+                let of_mean = |c: &Tolerated| Tolerated { spread: c.spread.mean_of(n), error: c.error / n };
+                shared.contrasts.iter().map(of_mean).collect()
+            })
+        } else {
+            weights.iter().map(|row| fresh_sum(row, &points)).collect()
+        };
+        CellPrediction { points, contrasts }
+    }
+
+    /// Correlation of the errors at the pairs that were asked for; `None` where it is not predicted.
+    pub fn correlations(&self, strategy: Strategy) -> Option<&[f64]> {
+        if strategy.shares_points() { self.shared.as_ref().map(|shared| &shared.correlations[..]) } else { None }
+    }
+}
+
+/// Spread of what one draw of a technique brings (for techniques that draw on each source, one draw on each).
+fn of_technique(
+    oracle: &Oracle,
+    configuration: &Configuration,
+    technique: Technique,
+    point: &MeasurementPoint,
+) -> Option<Spread> {
+    let sources = || configuration.sources().iter().enumerate();
+    let sum = |spread: &dyn Fn(usize, &Source) -> Option<Spread>| {
+        sources().try_fold(Spread::default(), |sum, (i, source)| Some(sum.plus(spread(i, source)?)))
+    };
+    match technique {
+        Technique::Area => sum(&|i, _| Some(oracle.area_moments(i, point)?.spread())),
+        Technique::SolidAngle => sum(&|i, source| {
+            let mut view = View::default();
+            Silhouette::new(source.shape())?.seen_from(point.position(), &mut view);
+            let solid_angle = view.solid_angle();
+            if solid_angle <= 0.0 {
+                return Some(Spread::default());
+            }
+            Some(oracle.sample_moments(i, point, |at| Contribution::by_solid_angle(at, solid_angle))?.spread())
+        }),
+        Technique::Cosine => Some(oracle.cosine_moments(point)?.spread()),
+        Technique::Mis(heuristic) => {
+            let power = match heuristic {
+                Heuristic::Balance => 1,
+                Heuristic::Power => 2,
+            };
+            let by_area = sum(&|i, _| {
+                Some(oracle.sample_moments(i, point, |at| Contribution::by_area_weighed(at, power))?.spread())
+            })?;
+            let by_cosine: Option<Vec<SampleMoments>> = sources()
+                .map(|(i, _)| oracle.sample_moments(i, point, |at| Contribution::by_cosine_weighed(at, power)))
+                .collect();
+            Some(by_area.plus(SampleMoments::either(&by_cosine?).spread()))
+        }
+    }
+}
+
+/// A weighted sum over points whose estimates are independent of one another.
+fn fresh_sum(weights: &[f64], points: &[Option<Tolerated>]) -> Option<Tolerated> {
+    weights.iter().zip(points).try_fold(Tolerated::new(Spread::default()), |sum, (w, point)| {
+        let point = (*point)?;
+        Some(Tolerated { spread: sum.spread.plus(point.spread.scaled(*w)), error: sum.error + w * w * point.error })
+    })
+}
+
+/// The strata of N points as `[u₀, u₁, v₀, v₁]`: R = ⌊√N⌉ rows, row r with ⌊(r+1)N/R⌋ − ⌊rN/R⌋ of them, as high as its share.
+fn strata(n: u64) -> Vec<[f64; 4]> {
+    let rows = ((n as f64).sqrt().round() as u64).max(1);
+    let start = |row: u64| (u128::from(row) * u128::from(n) / u128::from(rows)) as u64;
+    let mut cells = Vec::with_capacity(n as usize);
+    for row in 0..rows {
+        let (first, end) = (start(row), start(row + 1));
+        let share = |k: u64| k as f64 / (end - first) as f64;
+        let [bottom, top] = [first, end].map(|k| k as f64 / n as f64);
+        cells.extend((0..end - first).map(|k| [share(k), share(k + 1), bottom, top]));
+    }
+    cells
+}

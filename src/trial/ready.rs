@@ -1,0 +1,69 @@
+//! A case made ready: exact values, predictions, contrasts and estimators, once for all strategies.
+
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+use super::correlation;
+use super::measure::{Contrasts, Prepared};
+use super::outcome::Timing;
+use super::predict::Predictions;
+use super::reach::full;
+use super::run::Maker;
+use crate::case::{Case, Study};
+use crate::estimator::Estimator;
+use crate::oracle::{Oracle, Truth};
+use crate::sampling::{Strategy, Technique};
+
+pub(super) struct Ready<'a> {
+    case: &'a Case,
+    pub truths: Vec<Truth>,
+    exact: Vec<f64>,
+    full: Vec<f64>,
+    contrasts: Contrasts,
+    predictions: Predictions,
+    estimators: BTreeMap<Technique, Box<dyn Estimator>>,
+    pub timings: Vec<Timing>,
+}
+
+impl<'a> Ready<'a> {
+    /// - `make`: the estimators that are judged, one for each technique of the study's strategies
+    pub fn new(case: &'a Case, study: &Study, make: &Maker) -> Ready<'a> {
+        let start = Instant::now();
+        let configuration = &case.configuration;
+        let oracle = Oracle::new(configuration);
+        let truths: Vec<Truth> = configuration.points().iter().map(|point| oracle.at(point)).collect();
+        let timing = |stage, start: Instant| Timing {
+            stage,
+            rays: configuration.points().len() as u64,
+            seconds: start.elapsed().as_secs_f64(),
+            efficiency: None,
+        };
+        let mut timings = vec![timing("exact", start)];
+        let exact: Vec<f64> = truths.iter().map(|truth| truth.irradiance.watts_per_square_metre()).collect();
+        let contrasts = Contrasts::new(&exact);
+        let full = full(configuration, &oracle, &truths);
+        let start = Instant::now();
+        let pairs = correlation::pairs(configuration);
+        let predictions = Predictions::new(&oracle, configuration, study, &contrasts.weights, &pairs);
+        timings.push(timing("predict", start));
+        let mut estimators: BTreeMap<Technique, Box<dyn Estimator>> = BTreeMap::new();
+        for strategy in &study.strategies {
+            estimators.entry(strategy.technique()).or_insert_with_key(|technique| make(configuration, *technique));
+        }
+        Ready { case, truths, exact, full, contrasts, predictions, estimators, timings }
+    }
+
+    /// - `strategy`: one of the study's
+    pub fn prepared(&self, seed: u64, strategy: Strategy) -> Prepared<'_> {
+        Prepared {
+            case: self.case,
+            seed,
+            truths: &self.truths,
+            exact: &self.exact,
+            full: &self.full,
+            estimator: &*self.estimators[&strategy.technique()],
+            contrasts: &self.contrasts,
+            predictions: &self.predictions,
+        }
+    }
+}
