@@ -58,6 +58,7 @@
 //! | [`sampling`], [`scene`], [`estimator`] | **measurement**: streams and strategies, what blocks a ray, the estimator |
 //! | [`case`] | case files; the shipped cases |
 //! | [`trial`] | a run: pilot, plan, measurement, judgement, where truth and measurement meet |
+//! | [`calibration`] | the gate itself, measured: false alarms, coverage, power |
 //! | [`report`] | tables and plots of a run |
 //!
 //! Truth and measurement share shapes and configurations and nothing else.
@@ -87,6 +88,7 @@
 //! one.
 #![forbid(unsafe_code)]
 
+pub mod calibration;
 pub mod case;
 #[cfg(feature = "cli")]
 pub mod cli;

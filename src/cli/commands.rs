@@ -4,8 +4,9 @@ use std::io::{IsTerminal, Write};
 
 use super::exit;
 use super::explain;
-use super::options::{Check, Exact, Explain, List, Plan, Run};
-use super::progress::Bar;
+use super::options::{Calibrate, Check, Exact, Explain, List, Plan, Run};
+use super::progress::{Bar, RunBar};
+use crate::calibration;
 use crate::case::{self, Case, Ink, SelectError};
 use crate::oracle::{self, Derivatives, Oracle, Truth};
 use crate::report::{self, ExactCase, LimitsCase, ReportOptions, TableOptions};
@@ -238,6 +239,22 @@ fn limits(cases: &[Case]) -> Result<(), u8> {
     let mut text = Vec::new();
     report::write_limits(&mut text, rows).map_err(|error| fault(exit::OUTPUT, error))?;
     write_out(&text)
+}
+
+pub fn calibrate(options: &Calibrate) -> u8 {
+    calibrate_to_end(options).unwrap_or_else(|code| code)
+}
+
+fn calibrate_to_end(options: &Calibrate) -> Result<u8, u8> {
+    report::claim_calibration(&options.out).map_err(|error| fault(exit::OUTPUT, error))?;
+    set_threads(options.threads)?;
+    let bar = RunBar::new();
+    let calibration = calibration::calibrate(&options.options(), &|progress| bar.show(progress))
+        .map_err(|error| fault(exit::BUG, error))?;
+    bar.finish();
+    report::write_calibration(&options.out, &calibration).map_err(|error| fault(exit::OUTPUT, error))?;
+    print(&report::calibration_table(&calibration))?;
+    Ok(if calibration.fails() { exit::FAILED } else { exit::PASSED })
 }
 
 fn print(text: &str) -> Result<(), u8> {

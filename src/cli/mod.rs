@@ -34,6 +34,7 @@ pub fn main() -> ExitCode {
         Some(options::Command::List(list)) => commands::list(&list),
         Some(options::Command::Check(check)) => commands::check(&check),
         Some(options::Command::Exact(exact)) => commands::exact(&exact),
+        Some(options::Command::Calibrate(calibrate)) => commands::calibrate(&calibrate),
         Some(options::Command::Plan(plan)) => commands::plan(&plan),
         Some(options::Command::Explain(explain)) => commands::explain(&explain),
         Some(options::Command::Run(run)) => commands::run(&run),

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
+use crate::calibration;
 use crate::case::{Replicates, SmallestBias};
 use crate::oracle::Parameter;
 use crate::sampling::Strategy;
@@ -43,6 +44,9 @@ pub enum Command {
     Check(Check),
     /// Exact values at the measured points, as CSV
     Exact(Exact),
+    /// Measure the gate itself: false alarms, coverage of intervals, power (minutes)
+    #[command(after_help = "Exit codes: 0, or 1 where a figure misses its bar for certain.")]
+    Calibrate(Calibrate),
     /// What a run would cost and could see, before it is spent
     Plan(Plan),
     /// A verdict, a strategy, a case or a word of the reports: what it means, and what it does not say
@@ -161,6 +165,33 @@ pub struct Exact {
     /// source.0.center.x, occluder.1.radius, point.normal.z
     #[arg(long, value_name = "PARAMETER", value_delimiter = ',', conflicts_with = "limits")]
     pub derivative: Vec<Parameter>,
+}
+
+/// Options of `calibrate`.
+#[derive(Args, Debug)]
+pub struct Calibrate {
+    /// Null runs, at least (default: 36000; 2000 with --quick)
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=100_000_000))]
+    pub runs: Option<u64>,
+    /// Folder that the tables are written to
+    #[arg(long, value_name = "DIR", default_value = "reports/calibration")]
+    pub out: PathBuf,
+    /// Base of the seeds of all runs
+    #[arg(long, value_name = "SEED", default_value_t = calibration::Options::STANDARD.seed)]
+    pub seed: u64,
+    /// A look: too few runs for the smallest levels
+    #[arg(long)]
+    pub quick: bool,
+    /// Threads (default: one for each core); the numbers do not depend on it
+    #[arg(long, value_name = "T", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+}
+
+impl Calibrate {
+    pub fn options(&self) -> calibration::Options {
+        let usual = if self.quick { calibration::Options::QUICK } else { calibration::Options::STANDARD };
+        calibration::Options { seed: self.seed, runs: self.runs.unwrap_or(usual.runs), ..usual }
+    }
 }
 
 fn strategy(name: &str) -> Result<Strategy, String> {

@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use crate::calibration;
 use crate::trial::Progress;
 
 /// Shows how far a run is: by cases, each weighed alike, since only running cases know their cost.
@@ -26,11 +27,7 @@ const STEPS: u64 = 1000;
 impl Bar {
     /// `indicatif` draws on stderr and hides itself where that is no terminal.
     pub fn new(cases: usize, quiet: bool) -> Bar {
-        let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-        let bar = ProgressBar::with_draw_target(Some(cases as u64 * STEPS), target);
-        let style =
-            ProgressStyle::with_template("{bar:30} {percent:>3} %  {elapsed} elapsed, {eta} left  {wide_msg}");
-        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+        let bar = drawn(cases as u64 * STEPS, quiet);
         let state = Mutex::new(State { finished: 0, started: false });
         Bar { bar, state, planned: AtomicU64::new(0), traced: AtomicU64::new(0) }
     }
@@ -65,5 +62,35 @@ impl Bar {
     /// Takes the bar off the screen.
     pub fn finish(&self) {
         self.bar.finish_and_clear();
+    }
+}
+
+fn drawn(length: u64, quiet: bool) -> ProgressBar {
+    let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
+    let bar = ProgressBar::with_draw_target(Some(length), target);
+    let style = ProgressStyle::with_template("{bar:30} {percent:>3} %  {elapsed} elapsed, {eta} left  {wide_msg}");
+    bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    bar
+}
+
+/// Shows how far a calibration is, by runs.
+pub struct RunBar(ProgressBar);
+
+impl RunBar {
+    pub fn new() -> RunBar {
+        RunBar(drawn(0, false))
+    }
+
+    pub fn show(&self, progress: calibration::Progress) {
+        match progress {
+            calibration::Progress::Stage(name) => self.0.set_message(name.to_owned()),
+            calibration::Progress::Planned(runs) => self.0.set_length(runs),
+            calibration::Progress::Done(runs) => self.0.inc(runs),
+        }
+    }
+
+    /// Takes the bar off the screen.
+    pub fn finish(&self) {
+        self.0.finish_and_clear();
     }
 }

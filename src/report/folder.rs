@@ -25,36 +25,42 @@ const LONGEST_STEM: usize = 120;
 /// Makes the folder, makes sure that files can be written and moved in it, and removes the files of an earlier report,
 /// so that a folder never mixes two runs. Only files that a report of ours consists of are touched.
 pub fn claim(dir: &Path) -> Result<(), ReportError> {
-    let folder = |path: &Path| {
-        let path = path.to_owned();
-        move |source: io::Error| match source.kind() {
-            ErrorKind::NotADirectory | ErrorKind::AlreadyExists => ReportError::NotAFolder { path },
-            _ => ReportError::Folder { path, source },
-        }
-    };
-    for made in [dir.to_owned(), dir.join(PLOTS)] {
-        fs::create_dir_all(&made).map_err(folder(&made))?;
-        let probe = made.join(format!(".probe-{}.{PARTIAL}", std::process::id()));
-        let moved = made.join(format!(".probe-{}-moved.{PARTIAL}", std::process::id()));
-        fs::write(&probe, b"etendue").map_err(folder(&made))?;
-        let renamed = fs::rename(&probe, &moved);
-        let _ = fs::remove_file(&probe);
-        renamed.map_err(folder(&made))?;
-        fs::remove_file(&moved).map_err(folder(&made))?;
-    }
-    for name in FILES {
-        remove(&dir.join(name))?;
-        remove(&dir.join(format!(".{name}.{PARTIAL}")))?;
-    }
     let plots = dir.join(PLOTS);
-    let entries = fs::read_dir(&plots).map_err(folder(&plots))?;
+    claim_files(dir, &FILES)?;
+    claim_files(&plots, &[])?;
+    let entries = fs::read_dir(&plots).map_err(|source| unusable(&plots, source))?;
     for entry in entries {
-        let entry = entry.map_err(folder(&plots))?;
+        let entry = entry.map_err(|source| unusable(&plots, source))?;
         if entry.file_name().to_str().is_some_and(is_ours) {
             remove(&entry.path())?;
         }
     }
     Ok(())
+}
+
+/// Makes one folder, makes sure that files can be written and moved in it, and removes the named ones of an earlier run.
+pub(super) fn claim_files(dir: &Path, names: &[&str]) -> Result<(), ReportError> {
+    fs::create_dir_all(dir).map_err(|source| unusable(dir, source))?;
+    let probe = dir.join(format!(".probe-{}.{PARTIAL}", std::process::id()));
+    let moved = dir.join(format!(".probe-{}-moved.{PARTIAL}", std::process::id()));
+    fs::write(&probe, b"etendue").map_err(|source| unusable(dir, source))?;
+    let renamed = fs::rename(&probe, &moved);
+    let _ = fs::remove_file(&probe);
+    renamed.map_err(|source| unusable(dir, source))?;
+    fs::remove_file(&moved).map_err(|source| unusable(dir, source))?;
+    for name in names {
+        remove(&dir.join(name))?;
+        remove(&dir.join(format!(".{name}.{PARTIAL}")))?;
+    }
+    Ok(())
+}
+
+fn unusable(path: &Path, source: io::Error) -> ReportError {
+    let path = path.to_owned();
+    match source.kind() {
+        ErrorKind::NotADirectory | ErrorKind::AlreadyExists => ReportError::NotAFolder { path },
+        _ => ReportError::Folder { path, source },
+    }
 }
 
 /// Whether a file below `plots/` bears a name that a report gives.

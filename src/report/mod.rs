@@ -2,11 +2,13 @@
 //!
 //! - [`claim`] finds an unwritable folder before the work starts;
 //! - [`write`](fn@write) fills it: CSV tables, `manifest.json`, and plots (feature `plots`);
+//! - [`write_calibration`] does the same for a calibration of the gate;
 //! - [`table`] tells the verdicts on a terminal; [`write_exact`] prints exact values, [`write_limits`] shadow limits.
 //!
 //! The meaning of every column is in `reports/README.md`, which [`column_reference`] writes. Everything but
 //! `timings.csv` is the same from run to run, byte for byte.
 
+mod calibration;
 mod column;
 mod error;
 mod exact;
@@ -28,6 +30,7 @@ use std::path::{Path, PathBuf};
 
 use crate::trial::RunOutcome;
 
+pub use calibration::{calibration_reference, calibration_table, claim_calibration, write_calibration};
 pub use error::ReportError;
 pub use exact::{ExactCase, write_exact};
 pub use folder::claim;

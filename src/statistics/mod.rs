@@ -7,6 +7,7 @@ pub mod interval;
 pub mod moments;
 pub mod occupancy;
 pub mod pairs;
+pub mod proportion;
 #[cfg(test)]
 mod simulated;
 pub mod slope;

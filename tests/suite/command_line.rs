@@ -483,3 +483,20 @@ fn threads_move_no_byte_but_the_timings() {
         assert_eq!(std::fs::read(one.join(file)).unwrap(), std::fs::read(two.join(file)).unwrap(), "{file}");
     }
 }
+
+#[test]
+fn a_calibration_leaves_its_tables_and_says_whether_any_figure_misses() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("gate");
+    let output = etendue()
+        .args(["calibrate", "--quick", "--runs", "42", "--seed", "3", "--out"])
+        .arg(&out)
+        .output()
+        .expect("it starts");
+    let tables = ["false_alarms.csv", "coverage.csv", "power.csv"].map(|name| rows(&out.join(name)));
+    assert!(tables.iter().all(|table| table.len() >= 7));
+    let missed = tables.iter().flatten().any(|row| row["verdict"] == "fail");
+    assert_eq!(output.status.code(), Some(i32::from(missed)), "{}", String::from_utf8_lossy(&output.stderr));
+    let said = String::from_utf8(output.stdout).expect("words");
+    assert!(said.contains("False alarms") && said.contains("Coverage") && said.contains("Power"), "{said}");
+}

@@ -1,5 +1,6 @@
 //! Whole-path tests, one module per subject: `cargo test convergence` runs everything in `convergence.rs`.
 
+mod calibration;
 mod case_files;
 mod certified;
 mod closed_forms;

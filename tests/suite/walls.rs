@@ -8,9 +8,10 @@ use std::path::{Path, PathBuf};
 
 /// Rooms with their floor and wing.
 const ROOMS: &[(&str, u8, Wing)] = &[
-    ("main", 11, Wing::Shared),
-    ("cli", 10, Wing::Shared),
-    ("report", 9, Wing::Shared),
+    ("main", 12, Wing::Shared),
+    ("cli", 11, Wing::Shared),
+    ("report", 10, Wing::Shared),
+    ("calibration", 9, Wing::Shared),
     ("trial", 8, Wing::Shared),
     ("case", 7, Wing::Shared),
     ("estimator", 6, Wing::Measurement),
@@ -41,7 +42,7 @@ const RESERVED: &[(&str, &[&str])] = &[
     ("f32", &["scene/hierarchy.rs", "report/plot/text.rs"]),
     ("obvhs", &["scene/hierarchy.rs"]),
     ("rand", &["sampling/", "trial/"]),
-    ("rayon", &["trial/", "report/plot/", "cli/"]),
+    ("rayon", &["trial/", "calibration/", "report/plot/", "cli/"]),
     ("plotters", &["report/plot/"]),
     ("csv", &["report/"]),
     ("toml", &["case/"]),
