@@ -84,8 +84,8 @@
 //! ([`Oracle::derivatives`]; `etendue exact --derivative`), form factors between patches ([`oracle::patch`]), and a
 //! second witness that shares no contour code with the first ([`Oracle::by_quadrature`]).
 //!
-//! The variance that plans and judges is that of a pilot run of its own streams, taken on the high side, not yet a predicted
-//! one.
+//! Variances are predicted ([`oracle::variance`]) for all techniques and for independent and stratified points. For other
+//! point sets those of a pilot run of its own streams plan and judge, taken on the high side.
 #![forbid(unsafe_code)]
 
 pub mod calibration;

@@ -200,7 +200,12 @@ pub(super) fn verdicts<'a>() -> Table<Of<'a, JudgedProperty>> {
         columns: vec![
             column!("case", "", "the case's name", |r| r.case.name.as_str()),
             column!("strategy", "", "the strategy's name", |r| r.strategy.strategy.name()),
-            column!("property", "", "what was judged: `bias`", |r| r.item.property),
+            column!(
+                "property",
+                "",
+                "what was judged: `bias`, `variance` (squared errors against their prediction) or `covariance` (the same of the mean and of contrasts over the points)",
+                |r| r.item.property
+            ),
             column!("verdict", "", "`pass`, `fail` or `undecided`", |r| r.item.verdict.name()),
             column!(
                 "evidence",
