@@ -239,7 +239,7 @@ fn case_outcome(name: &str, title: &str, arrangement: Arrangement) -> CaseOutcom
     let source = Source::new(Shape::Disk(source), Exitance::new(1.0)).unwrap();
     let digest = Configuration::new(vec![source], vec![], None, points.clone(), arrangement).unwrap().digest();
     let mut noise = Noise(digest.key());
-    let strategies = Strategy::ALL.map(|s| strategy_outcome(&mut noise, s, &points, &truths)).to_vec();
+    let strategies = Strategy::LECTURE.map(|s| strategy_outcome(&mut noise, s, &points, &truths)).to_vec();
     CaseOutcome {
         name: name.to_owned(),
         title: title.to_owned(),
