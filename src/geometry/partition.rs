@@ -75,10 +75,8 @@ impl Partition {
             let mut finer = vec![Vec::new(); 4 * cells.len()];
             for (index, cell) in cells.into_iter().enumerate() {
                 let (i, j) = (index / side, index % side);
-                for (di, half) in halve(cell, 0).into_iter().enumerate() {
-                    for (dj, quarter) in halve(half, 1).into_iter().enumerate() {
-                        finer[(2 * i + di) * 2 * side + 2 * j + dj] = quarter;
-                    }
+                for (k, quarter) in quarters(cell).into_iter().enumerate() {
+                    finer[(2 * i + k / 2) * 2 * side + 2 * j + k % 2] = quarter;
                 }
             }
             side *= 2;
@@ -101,6 +99,13 @@ impl Partition {
     pub fn cell(&self, i: usize, j: usize) -> &[Outline] {
         &self.cells[i * self.side + j]
     }
+}
+
+/// The cells of the next level that make up a cell, `[u][v]`.
+pub fn quarters(cell: Vec<Outline>) -> [Vec<Outline>; 4] {
+    let [less, more] = halve(cell, 0);
+    let ([a, b], [c, d]) = (halve(less, 1), halve(more, 1));
+    [a, b, c, d]
 }
 
 /// Two parts of equal area: what is less along the axis, what is more.

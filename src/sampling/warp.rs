@@ -9,11 +9,13 @@ use smallvec::SmallVec;
 
 use super::arc::sin_cos_eighth;
 use super::{BLOCK, LANES, Row, Squares, groups};
-use crate::geometry::partition::{Axes, Outline, Partition};
+use crate::geometry::partition::{Axes, Outline, Partition, quarters};
 use crate::geometry::{Frame, Polygon, Shape};
 
 /// Halvings of u and of v before a torn polygon's cells are swept by chords: 1024 cells.
 const LEVELS: u32 = 5;
+/// Further halvings of the few cells that are torn themselves.
+const DEEPER: u32 = 8;
 
 /// One block of points on a surface, as offsets from the surface's origin, metres.
 #[derive(Clone, Debug)]
@@ -52,17 +54,27 @@ enum Chart {
     Triangle { normal: DVec3, to_second: DVec3, to_third: DVec3 },
     /// u sweeps the polygon by area, v runs along the chord.
     Chords { normal: DVec3, sweep: DVec3, along: DVec3, slabs: Vec<Slab> },
-    /// Cells of equal area for the squares of a grid of 2⁵ × 2⁵, each swept by chords of its own.
+    /// Cells of equal area for the squares of a grid of 2⁵ × 2⁵, each swept by chords of its own; the few that re-entrant
+    /// corners tear are cut further.
     Cells {
         normal: DVec3,
         sweep: DVec3,
         along: DVec3,
         slabs: Vec<Slab>,
-        /// Where the slabs of each cell begin in `slabs`, `[u][v]`; and where the last one's end.
-        starts: Vec<usize>,
+        /// First those of the grid, `[u][v]`.
+        cells: Vec<CellChart>,
     },
     /// The octahedral map made equal-area by concentric quarter disks (Clarberg, JGT 13(3), 2008).
     Sphere { radius: f64 },
+}
+
+/// How a square of the dyadic grid is laid on its cell.
+#[derive(Clone, Copy, Debug)]
+enum CellChart {
+    /// By these of the slabs.
+    Swept { from: usize, to: usize },
+    /// By four cells, `[u][v]`, from this one on.
+    Quartered { first: usize },
 }
 
 /// How smooth the map to a surface is: what a smooth function on the surface looks like over the unit square.
@@ -72,7 +84,7 @@ pub enum Seams {
     None,
     /// Continuous, with creases along slanted lines (the diagonals of the square).
     Creased,
-    /// It jumps along lines of the dyadic grid, down to 1/32.
+    /// It jumps along lines of the dyadic grid, down to 1/32 (finer only where a re-entrant corner is near).
     Torn,
 }
 
@@ -107,8 +119,11 @@ impl Surface {
             Shape::Polygon(s) => match s.vertices() {
                 &[a, b, c] => (a, Chart::Triangle { normal: s.normal(), to_second: b - a, to_third: c - a }),
                 _ => {
-                    let chart = chords(s);
-                    (s.vertices()[0], if is_torn(&chart, s.area()) { cells(s) } else { chart })
+                    let chart = match chords(s) {
+                        Chart::Chords { slabs, .. } if are_torn(&slabs, s.area()) => cells(s),
+                        whole => whole,
+                    };
+                    (s.vertices()[0], chart)
                 }
             },
             Shape::Sphere(s) => (s.center(), Chart::Sphere { radius: s.radius() }),
@@ -167,8 +182,8 @@ impl Surface {
             Chart::Chords { sweep, along, slabs, .. } => {
                 place_flat(squares, len, out, *sweep, *along, |u, v| on_chord(slabs, u, v));
             }
-            Chart::Cells { sweep, along, slabs, starts, .. } => {
-                place_flat(squares, len, out, *sweep, *along, |u, v| in_cell(slabs, starts, u, v));
+            Chart::Cells { sweep, along, slabs, cells, .. } => {
+                place_flat(squares, len, out, *sweep, *along, |u, v| in_cell(slabs, cells, u, v));
             }
             Chart::Sphere { radius } => {
                 for g in 0..groups(len) {
@@ -232,11 +247,25 @@ fn octahedral(u: f64, v: f64) -> (f64, f64, f64) {
 
 /// From the unit square to a cell, and there to a chord.
 #[inline(always)]
-fn in_cell(slabs: &[Slab], starts: &[usize], u: f64, v: f64) -> (f64, f64) {
-    const SIDE: f64 = (1_u32 << LEVELS) as f64;
-    let (i, j) = ((u * SIDE).min(SIDE - 1.0).floor(), (v * SIDE).min(SIDE - 1.0).floor());
-    let cell = i as usize * (1 << LEVELS) + j as usize;
-    on_chord(&slabs[starts[cell]..starts[cell + 1]], u * SIDE - i, v * SIDE - j)
+fn in_cell(slabs: &[Slab], cells: &[CellChart], u: f64, v: f64) -> (f64, f64) {
+    let (i, j, mut u, mut v) = grid_place(f64::from(1_u32 << LEVELS), u, v);
+    let mut cell = i * (1 << LEVELS) + j;
+    loop {
+        match cells[cell] {
+            CellChart::Swept { from, to } => return on_chord(&slabs[from..to], u, v),
+            CellChart::Quartered { first } => {
+                let (i, j, finer_u, finer_v) = grid_place(2.0, u, v);
+                (cell, u, v) = (first + 2 * i + j, finer_u, finer_v);
+            }
+        }
+    }
+}
+
+/// Column and row of a point in a grid, and its place in that square. Exact: sides are powers of two.
+#[inline(always)]
+fn grid_place(side: f64, u: f64, v: f64) -> (usize, usize, f64, f64) {
+    let (i, j) = ((u * side).min(side - 1.0).floor(), (v * side).min(side - 1.0).floor());
+    (i as usize, j as usize, u * side - i, v * side - j)
 }
 
 fn on_chord(slabs: &[Slab], u: f64, v: f64) -> (f64, f64) {
@@ -273,25 +302,39 @@ fn cells(polygon: &Polygon) -> Chart {
     let partition = Partition::new(polygon, LEVELS);
     let axes = partition.axes();
     let nothing = 1e-13 * extent(&axes.flatten(polygon));
-    let (mut all, mut starts) = (Vec::new(), vec![0]);
-    for i in 0..partition.side() {
-        for j in 0..partition.side() {
-            all.extend(slabs(partition.cell(i, j), nothing));
-            starts.push(all.len());
+    let side = partition.side();
+    let (mut all, mut cells) = (Vec::new(), Vec::new());
+    // Cells, in order, of the level at hand; then those that the torn ones among them are quartered into.
+    let mut level: Vec<Vec<Outline>> =
+        (0..side * side).map(|k| partition.cell(k / side, k % side).to_vec()).collect();
+    for deeper in 0..=DEEPER {
+        let mut finer = Vec::new();
+        let first_finer = cells.len() + level.len();
+        for cell in level {
+            let mut own = slabs(&cell, nothing);
+            if deeper < DEEPER && are_torn(&own, polygon.area()) {
+                cells.push(CellChart::Quartered { first: first_finer + finer.len() });
+                finer.extend(quarters(cell));
+            } else {
+                cells.push(CellChart::Swept { from: all.len(), to: all.len() + own.len() });
+                all.append(&mut own);
+            }
         }
+        level = finer;
     }
-    Chart::Cells { normal: polygon.normal(), sweep: axes.sweep, along: axes.along, slabs: all, starts }
+    Chart::Cells { normal: polygon.normal(), sweep: axes.sweep, along: axes.along, slabs: all, cells }
 }
 
-/// Whether neighbours in the unit square are parted: where a polygon's chord jumps or splits. What is smooth on the
-/// surface would jump over the square along a line, and √N strata lose what strata gain.
-fn is_torn(chart: &Chart, area: f64) -> bool {
-    let Chart::Chords { slabs, .. } = chart else { return false };
+/// Whether neighbours in the unit square are parted: where a chord jumps or splits, or where the sweep leaps. What is smooth
+/// on the surface would jump over the square along a line, and √N strata lose what strata gain.
+///
+/// - `area`: of the polygon, square metres; says what is only rounding
+fn are_torn(slabs: &[Slab], area: f64) -> bool {
     let split = slabs.iter().any(|slab| slab.pieces.len() > 1);
+    let apart = |a: f64, b: f64| (a - b).abs() > 1e-9 * area.sqrt();
     let parted = |before: &Slab, after: &Slab| {
-        let ends = before.pieces.iter().zip(&after.pieces).flat_map(|(a, b)| [0, 1].map(|k| (a[k][1], b[k][0])));
-        // Rounding of a vertex is no jump.
-        ends.into_iter().any(|(end, start)| (end - start).abs() > 1e-9 * area.sqrt())
+        let mut ends = before.pieces.iter().zip(&after.pieces).flat_map(|(a, b)| [0, 1].map(|k| (a[k][1], b[k][0])));
+        apart(before.start + before.width, after.start) || ends.any(|(end, start)| apart(end, start))
     };
     split || slabs.windows(2).any(|pair| parted(&pair[0], &pair[1]))
 }
@@ -361,8 +404,8 @@ mod tests {
             polygon(&[[0.0, 0.0], [1.0, 0.2], [0.3, 1.5]]),
             polygon(&[[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]]),
             polygon(&[[0.0, 0.0], [1.0, 0.0], [1.3, 0.9], [0.5, 1.6], [-0.3, 0.9]]),
-            // An M: two pieces on some chords.
-            polygon(&[[0.0, 0.0], [3.0, 0.0], [3.0, 2.0], [1.5, 0.5], [0.0, 2.0]]),
+            // A lopsided M: two pieces on some chords.
+            polygon(&[[0.0, 0.0], [3.0, 0.0], [3.0, 2.0], [1.2, 0.3], [0.0, 2.0]]),
         ]
     }
 
@@ -511,7 +554,7 @@ mod tests {
             let all = [4, 8, 16, 32, 64].map(|side| stratified_variance(&surface, side, 512));
             assert!(all.windows(2).all(|pair| pair[1] < pair[0] / 13.0), "{shape:?}: {all:?}");
             if surface.seams() == Seams::Torn {
-                // Chords alone: √N strata hold places on both sides of a re-entrant corner.
+                // By chords alone √N strata hold places on both sides of a re-entrant corner.
                 let swept = Surface { chart: chords(polygon), ..surface.clone() };
                 let (with_chords, larger) = slope(&swept);
                 assert!((with_chords + 1.5).abs() < 0.1, "{shape:?}: {with_chords}");
