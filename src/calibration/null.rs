@@ -6,9 +6,10 @@ use super::Progress;
 use super::alarms::{self, AlarmRow, Alarms};
 use super::coverage::{self, CoverageRow, Tally};
 use super::rooms::Room;
+use crate::estimator::for_technique;
 use crate::sampling::Strategy;
 use crate::statistics::budget::seed_of;
-use crate::trial::{self, CaseOutcome, Effort, Overrides, Settings, TrialError};
+use crate::trial::{CaseOutcome, Effort, Overrides, Repeated, Settings, TrialError};
 
 /// What the null runs came to.
 pub(super) struct Null {
@@ -34,10 +35,13 @@ pub(super) fn measure(
     let mut tallies: Vec<Tally> = Vec::new();
     for room in rooms {
         for strategy in Strategy::ALL {
+            let overrides = Overrides { strategies: Some(vec![strategy]), ..Overrides::default() };
+            let repeated = Repeated::new(&room.case, &Settings { seed, effort: Effort::Standard, overrides });
             let outcomes: Vec<CaseOutcome> = (0..each)
                 .into_par_iter()
                 .map(|run| {
-                    let outcome = one(room, strategy, seed, run);
+                    let name = format!("calibration/null/{seed}/{}/{strategy}/{run}", room.case.name);
+                    let outcome = repeated.run(seed_of(&name), &for_technique);
                     progress(Progress::Done(1));
                     outcome
                 })
@@ -54,12 +58,4 @@ pub(super) fn measure(
         }
     }
     Ok(Null { alarms: alarms::rows(&counted), coverage: coverage::rows(&tallies) })
-}
-
-fn one(room: &Room, strategy: Strategy, seed: u64, run: u64) -> Result<CaseOutcome, TrialError> {
-    let overrides = Overrides { strategies: Some(vec![strategy]), ..Overrides::default() };
-    let seed = seed_of(&format!("calibration/null/{seed}/{}/{strategy}/{run}", room.case.name));
-    let settings = Settings { seed, effort: Effort::Standard, overrides };
-    let outcome = trial::run(std::slice::from_ref(&room.case), &settings, &|_| ())?;
-    Ok(outcome.cases.into_iter().next().expect("one case gives one outcome"))
 }

@@ -16,7 +16,9 @@ use crate::statistics::budget::seed_of;
 use crate::statistics::evidence::ALPHA;
 use crate::statistics::interval::normal_quantile;
 use crate::statistics::proportion::{clopper_pearson, upper_limit};
-use crate::trial::{self, CaseOutcome, Effort, JudgedProperty, Overrides, Settings, StrategyOutcome, TrialError};
+use crate::trial::{
+    CaseOutcome, Effort, JudgedProperty, Maker, Overrides, Repeated, Settings, StrategyOutcome, TrialError,
+};
 
 /// The share of runs in which what a verdict promises to catch must be caught.
 pub const CAUGHT: f64 = 0.99;
@@ -156,10 +158,11 @@ struct Found {
 
 impl Plan<'_> {
     fn measure(&self, seed: u64, runs: u64, progress: &(dyn Fn(Progress) + Sync)) -> Result<PowerRow, TrialError> {
+        let repeated = self.repeated();
         let found: Vec<Found> = (0..runs)
             .into_par_iter()
             .map(|run| {
-                let found = self.one(seed, run);
+                let found = self.one(&repeated, seed, run);
                 progress(Progress::Done(1));
                 found
             })
@@ -200,7 +203,7 @@ impl Plan<'_> {
         })
     }
 
-    fn one(&self, seed: u64, run: u64) -> Result<Found, TrialError> {
+    fn one(&self, repeated: &Repeated, seed: u64, run: u64) -> Result<Found, TrialError> {
         let name = format!(
             "calibration/power/{seed}/{}/{}/{}/{}/{}/{run}",
             self.case.name,
@@ -210,7 +213,7 @@ impl Plan<'_> {
             self.planted.name()
         );
         let seed = seed_of(&name);
-        let unshifted = self.run(seed, &[])?;
+        let unshifted = repeated.run(seed, &for_technique)?;
         let exact: Vec<f64> =
             unshifted.truths.iter().map(|truth| truth.irradiance.watts_per_square_metre()).collect();
         let (predicted, point, squared_error) = self.promise(&unshifted, &exact);
@@ -225,7 +228,10 @@ impl Plan<'_> {
                     Planted::Added => (1.0, shift * exact[p]),
                 })
                 .collect();
-            let outcome = self.run(seed, &shifts)?;
+            let make: &Maker = &|configuration, technique| {
+                Box::new(Shifted { inner: for_technique(configuration, technique), shifts: shifts.clone() })
+            };
+            let outcome = repeated.run(seed, make)?;
             Ok(bias(&outcome).is_some_and(|judged| judged.verdict == Verdict::Fail))
         };
         let (mut missed, mut caught) = BRACKET;
@@ -239,20 +245,14 @@ impl Plan<'_> {
         Ok(Found { predicted, squared_error, turns: caught * predicted })
     }
 
-    /// - `shifts`: for each point a factor, and what is added after it, W/m²; none: nothing is planted
-    fn run(&self, seed: u64, shifts: &[(f64, f64)]) -> Result<CaseOutcome, TrialError> {
+    fn repeated(&self) -> Repeated<'_> {
         let overrides = Overrides {
             strategies: Some(vec![self.strategy]),
             samples: Some(vec![self.samples]),
             replicates: Some(Replicates::Fixed(REPLICATES)),
             ..Overrides::default()
         };
-        let settings = Settings { seed, effort: Effort::Standard, overrides };
-        let make: &trial::Maker = &|configuration, technique| {
-            Box::new(Shifted { inner: for_technique(configuration, technique), shifts: shifts.to_vec() })
-        };
-        let outcome = trial::run_with(std::slice::from_ref(self.case), &settings, make, &|_| ())?;
-        Ok(outcome.cases.into_iter().next().expect("one case gives one outcome"))
+        Repeated::new(self.case, &Settings { seed: 0, effort: Effort::Standard, overrides })
     }
 
     /// What the verdict promises, where, and the squared relative standard error there.

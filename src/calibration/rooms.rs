@@ -47,7 +47,7 @@ const PARTS: &[Part] = &[
 /// Samples of each source in a null run.
 pub(super) const SAMPLES: [u64; 3] = [1, 4, 16];
 /// Rays that shares are counted from.
-const COUNTED_RAYS: u64 = 1 << 16;
+const COUNTED_RAYS: u64 = 1 << 15;
 
 /// All of them.
 pub(super) fn rooms() -> Vec<Room> {

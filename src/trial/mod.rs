@@ -15,6 +15,7 @@ mod predict;
 mod rates;
 mod reach;
 mod ready;
+mod repeat;
 mod run;
 mod settings;
 mod spread;
@@ -23,5 +24,6 @@ pub use forecast::{Forecast, forecast};
 pub use outcome::{
     CaseOutcome, Cell, Correlation, JudgedProperty, Measured, Rate, RatePoint, RunOutcome, StrategyOutcome, Timing,
 };
+pub use repeat::Repeated;
 pub use run::{Maker, Progress, TrialError, run, run_with};
 pub use settings::{Effort, Overrides, Settings};

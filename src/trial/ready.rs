@@ -15,7 +15,7 @@ use crate::oracle::{Oracle, Truth};
 use crate::sampling::{Strategy, Technique};
 
 pub(super) struct Ready<'a> {
-    case: &'a Case,
+    pub case: &'a Case,
     pub truths: Vec<Truth>,
     exact: Vec<f64>,
     full: Vec<f64>,

@@ -1,5 +1,6 @@
 //! Runs a study over cases: exact values, pilot, plan, measurement, judgement.
 
+use std::collections::BTreeMap;
 use std::time::Instant;
 
 use rand::RngExt;
@@ -86,17 +87,33 @@ fn run_case(
     progress: &(dyn Fn(Progress) + Sync),
 ) -> Result<CaseOutcome, TrialError> {
     let study = settings.study(&case.study);
-    let ready = Ready::new(case, &study, make);
+    from_ready(&Ready::new(case, &study, make), &study, settings, None, progress)
+}
+
+/// Measures and judges a case that was made ready for this study.
+///
+/// - `estimators`: instead of those that the case was made ready with, one for each technique
+pub(super) fn from_ready(
+    ready: &Ready,
+    study: &Study,
+    settings: &Settings,
+    estimators: Option<&BTreeMap<Technique, Box<dyn Estimator>>>,
+    progress: &(dyn Fn(Progress) + Sync),
+) -> Result<CaseOutcome, TrialError> {
+    let case = ready.case;
     let strategies = study
         .strategies
         .iter()
         .map(|strategy| {
-            let prepared = ready.prepared(settings.seed, *strategy);
+            let mut prepared = ready.prepared(settings.seed, *strategy);
+            if let Some(estimators) = estimators {
+                prepared.estimator = &*estimators[&strategy.technique()];
+            }
             let reproduce = settings.command(&[&case.selector], Some(*strategy));
-            run_strategy(&prepared, &study, *strategy, reproduce, progress)
+            run_strategy(&prepared, study, *strategy, reproduce, progress)
         })
         .collect();
-    let Ready { truths, mut timings, .. } = ready;
+    let mut timings = ready.timings.clone();
     timings.extend(compare_hierarchies(case, settings.seed)?);
     Ok(CaseOutcome {
         name: case.name.clone(),
@@ -105,7 +122,7 @@ fn run_case(
         arrangement: case.configuration.arrangement(),
         albedo: case.configuration.albedo(),
         points: case.configuration.points().to_vec(),
-        truths,
+        truths: ready.truths.clone(),
         strategies,
         timings,
     })
