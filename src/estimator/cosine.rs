@@ -9,6 +9,7 @@
 //!
 //! The cosine and π are in the density. Each term is a lottery: with F_S the visible part's form factor the variance of one
 //! is Σ M_S² F_S − (Σ M_S F_S)², whatever the shapes.
+#![expect(clippy::needless_range_loop, reason = "one index over several rows is what the compiler makes vectors of")]
 
 use super::draws::{hemisphere_key, mean};
 use super::{Estimator, Job, Scratch};

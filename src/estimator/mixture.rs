@@ -9,6 +9,7 @@
 //! ```
 //!
 //! What peaks in one is left to the other: near a source ρ is large and the directions count, far from it the points.
+#![expect(clippy::needless_range_loop, reason = "one index over several rows is what the compiler makes vectors of")]
 
 use std::f64::consts::PI;
 

@@ -10,6 +10,7 @@
 //!
 //! Everything is computed in a frame in which what is small is a coordinate, so that directions keep their digits from
 //! grazing views to hemispheres and no other method is needed at either end.
+#![expect(clippy::needless_range_loop, reason = "one index over several rows is what the compiler makes vectors of")]
 
 use glam::DVec3;
 

@@ -127,7 +127,6 @@ impl Blocker {
 ///
 /// - `offset`: the shading point from the piece's origin
 /// - `inside`: whether a point of its plane, from the same origin, belongs to it
-#[expect(clippy::needless_range_loop, reason = "one index over several rows is what the compiler makes vectors of")]
 #[inline(always)]
 fn meet_flat(
     offset: DVec3,
@@ -158,7 +157,6 @@ fn meet_flat(
 ///
 /// The chord's half is the root of R² less the squared distance of the ray's line from the centre, which keeps its digits
 /// for a small or far ball (Hearn & Baker; Haines et al., *Ray Tracing Gems*, 2019, chapter 7).
-#[expect(clippy::needless_range_loop, reason = "one index over several rows is what the compiler makes vectors of")]
 #[inline(always)]
 fn meet_ball(offset: DVec3, radius_squared: f64, directions: &DirectionBlock, len: usize, name: u32, met: &mut Met) {
     let (distance_squared, radius) = (offset.length_squared(), radius_squared.sqrt());

@@ -141,7 +141,7 @@ mod tests {
         let mut draws = Draws::named("the_smallest_unevenness_is_seen_and_a_third_of_it_is_not");
         for (sides, n) in [(16_usize, 4_000), (256, 20_000)] {
             let refuted = |draws: &mut Draws, delta: f64| {
-                let share = |side: usize| (1.0 + if side % 2 == 0 { delta } else { -delta }) / sides as f64;
+                let share = |side: usize| (1.0 + if side.is_multiple_of(2) { delta } else { -delta }) / sides as f64;
                 let shares: Vec<f64> = (0..sides).map(share).collect();
                 (0..200).filter(|_| die(draws, &shares, n).is_refuted()).count() as u64
             };

@@ -108,6 +108,20 @@ pub(super) fn covariance(
     judge.verdict(&watched.collect::<Vec<_>>(), false)
 }
 
+/// What one capital is about.
+struct Group<'a> {
+    members: Vec<&'a Watched>,
+    /// `None`: all of them.
+    subject: Option<usize>,
+    cell: Option<usize>,
+}
+
+impl<'a> Group<'a> {
+    fn new(members: Vec<&'a Watched>, subject: Option<usize>, cell: Option<usize>) -> Group<'a> {
+        Group { members, subject, cell }
+    }
+}
+
 struct Judge<'a> {
     property: &'static str,
     of: &'static str,
@@ -123,9 +137,7 @@ impl Judge<'_> {
     /// - returns `None` where nothing is predicted
     fn verdict(&self, watched: &[Vec<Option<Watched>>], independent: bool) -> Option<JudgedProperty> {
         let all = || watched.iter().flatten().flatten();
-        if all().next().is_none() {
-            return None;
-        }
+        all().next()?;
         let count = |list: &[&Watched]| list.iter().map(|w| w.observed.n).sum::<u64>();
         let pooled = |list: &[&Watched]| {
             let planned = count(list);
@@ -133,31 +145,27 @@ impl Judge<'_> {
             list.iter().for_each(|w| capital.times(&w.capital(planned)));
             capital.ln()
         };
-        // (ln capital, what it is about)
-        let mut components: Vec<(f64, Vec<&Watched>, Option<usize>, Option<usize>)> = Vec::new();
-        let mut groups: Vec<(Vec<&Watched>, Option<usize>, Option<usize>)> = Vec::new();
+        let mut groups: Vec<Group> = Vec::new();
         for (subject, series) in watched.iter().enumerate() {
             for (cell, w) in series.iter().enumerate() {
-                groups.extend(w.as_ref().map(|w| (vec![w], Some(subject), Some(cell))));
+                groups.extend(w.as_ref().map(|w| Group::new(vec![w], Some(subject), Some(cell))));
             }
-            groups.push((series.iter().flatten().collect(), Some(subject), None));
+            groups.push(Group::new(series.iter().flatten().collect(), Some(subject), None));
         }
         if independent && watched.len() > 1 {
             for cell in 0..self.cells.len() {
-                groups.push((watched.iter().filter_map(|series| series[cell].as_ref()).collect(), None, Some(cell)));
+                let of_cell = watched.iter().filter_map(|series| series[cell].as_ref());
+                groups.push(Group::new(of_cell.collect(), None, Some(cell)));
             }
-            groups.push((all().collect(), None, None));
+            groups.push(Group::new(all().collect(), None, None));
         }
-        for (group, subject, cell) in groups {
-            if !group.is_empty() {
-                components.push((pooled(&group), group, subject, cell));
-            }
-        }
+        groups.retain(|group| !group.members.is_empty());
+        let components: Vec<(f64, &Group)> = groups.iter().map(|group| (pooled(&group.members), group)).collect();
         let m = components.len();
         let evidence = log10_capped(ln_average(components.iter().map(|(ln, ..)| *ln)));
         let smallest = |wanted: &dyn Fn(Option<usize>) -> bool| {
-            let fitting = components.iter().filter(|(_, _, _, cell)| wanted(*cell));
-            fitting.map(|(_, group, ..)| smallest_deviation(group, m)).reduce(f64::min)
+            let fitting = groups.iter().filter(|group| wanted(group.cell));
+            fitting.map(|group| smallest_deviation(&group.members, m)).reduce(f64::min)
         };
         let together = smallest(&|_| true).unwrap_or(f64::INFINITY);
         let worst = (0..self.cells.len()).filter_map(|c| smallest(&|cell| cell == Some(c))).reduce(f64::max);
@@ -168,12 +176,12 @@ impl Judge<'_> {
         } else {
             Verdict::Undecided
         };
-        let strongest = components.iter().max_by(|a, b| a.0.total_cmp(&b.0)).expect("something is watched");
+        let (_, strongest) = components.iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
         let everything: Vec<&Watched> = all().collect();
-        let shown = if verdict == Verdict::Fail { &strongest.1 } else { &everything };
+        let shown = if verdict == Verdict::Fail { &strongest.members } else { &everything };
         let (effect, error) = mean_deviation(shown);
         let words = match verdict {
-            Verdict::Fail => self.fail_words(strongest.2, strongest.3, effect, error),
+            Verdict::Fail => self.fail_words(strongest, effect, error),
             Verdict::Pass => format!(
                 "no deviation of {} from its prediction above {:.1} % at all sample counts alike, {} at the worst one",
                 self.of,
@@ -205,7 +213,8 @@ impl Judge<'_> {
         })
     }
 
-    fn fail_words(&self, subject: Option<usize>, cell: Option<usize>, effect: f64, error: f64) -> String {
+    fn fail_words(&self, group: &Group, effect: f64, error: f64) -> String {
+        let Group { subject, cell, .. } = *group;
         let place = match (self.property, subject) {
             (_, None) => "over all points".to_owned(),
             ("variance", Some(p)) => place_words(self.prepared, p),

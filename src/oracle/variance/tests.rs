@@ -79,7 +79,11 @@ fn moments_are_integrals_of_the_source_times_its_kernel() {
         let second = textured.irradiance.watts_per_square_metre();
         let scale = area * exitance;
         assert!((raw[0] - first).abs() <= 0.5 * RELATIVE_ERROR * first, "{shape:?} at {point:?}: {} {first}", raw[0]);
-        assert!((raw[1] - second).abs() <= RELATIVE_ERROR * second, "{shape:?} at {point:?}: {} {second} {scale}", raw[1]);
+        assert!(
+            (raw[1] - second).abs() <= RELATIVE_ERROR * second,
+            "{shape:?} at {point:?}: {} {second} {scale}",
+            raw[1]
+        );
     }
 }
 

@@ -100,11 +100,11 @@ mod tests {
         let (across, up) = (shuffled(), shuffled());
         let (m, n) = (side as f64, (side * side) as f64);
         let mut sum = 0.0;
-        for i in 0..side {
-            for j in 0..side {
+        for (i, up) in up.iter().enumerate() {
+            for (j, across) in across.iter().enumerate() {
                 let [a, b] = [lanes.next_units()[0], lanes.next_units()[0]];
-                let u = (i as f64 + (across[j] as f64 + a) / m) / m;
-                let v = (j as f64 + (up[i] as f64 + b) / m) / m;
+                let u = (i as f64 + (*across as f64 + a) / m) / m;
+                let v = (j as f64 + (*up as f64 + b) / m) / m;
                 sum += f(u, v);
             }
         }
