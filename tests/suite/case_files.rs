@@ -417,7 +417,10 @@ fn settings_that_make_no_sense_are_refused() {
     assert_eq!(auto.error.nearest(), Some("auto"));
     let strategy = broken("\"stratified\"", "\"stratifed\"");
     let CaseError::UnknownName { said, nearest, accepted, .. } = &strategy.error else { panic!("{strategy}") };
-    assert_eq!((said.as_str(), *nearest, accepted.len()), ("stratifed", Some("stratified"), 3));
+    assert_eq!(
+        (said.as_str(), *nearest, accepted.len()),
+        ("stratifed", Some("stratified"), sampling::Strategy::ALL.len())
+    );
     assert_eq!((strategy.line(), strategy.column()), (23, 15));
     let twice = broken("\"stratified\"", "\"random\"");
     assert_eq!(told(&twice), (23, 25, &CaseError::Twice { key: "study.strategies".into(), said: "random".into() }));
