@@ -104,7 +104,8 @@ fn unbiased(name: &str, strategy: &StrategyOutcome) {
     assert!(!strategy.verdicts.is_empty(), "{name}: {} is judged", strategy.strategy);
     for judged in &strategy.verdicts {
         assert!(
-            judged.verdict == Verdict::Pass,
+            // A fixed number of replicates need not decide on variances.
+            judged.verdict == Verdict::Pass || (judged.property != "bias" && judged.verdict == Verdict::Undecided),
             "{name}: {} {} of {}: {} (evidence 10^{:.2}, a failure from 10^{:.0})\nevidence: {}\nagain: {}",
             judged.property,
             judged.verdict,
