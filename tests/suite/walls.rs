@@ -42,7 +42,7 @@ const RESERVED: &[(&str, &[&str])] = &[
     ("f32", &["scene/hierarchy.rs", "report/plot/text.rs"]),
     ("obvhs", &["scene/hierarchy.rs"]),
     ("rand", &["sampling/", "trial/"]),
-    ("rayon", &["trial/", "calibration/", "report/plot/", "cli/"]),
+    ("rayon", &["trial/", "calibration/", "oracle/variance/", "report/plot/", "cli/"]),
     ("plotters", &["report/plot/"]),
     ("csv", &["report/"]),
     ("toml", &["case/"]),
