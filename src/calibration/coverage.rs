@@ -11,7 +11,7 @@ use crate::statistics::Verdict;
 use crate::statistics::interval::{Interval, normal_quantile};
 use crate::statistics::proportion::{clopper_pearson, upper_limit};
 use crate::statistics::slope::{Line, Noise};
-use crate::trial::{CaseOutcome, Measured, Rate, RatePoint, StrategyOutcome};
+use crate::trial::{CaseOutcome, Rate, RatePoint, StrategyOutcome};
 
 /// What printed intervals claim.
 const NOMINAL: f64 = 0.95;
@@ -274,7 +274,7 @@ impl Group<'_> {
         for (cell, truth) in truth.iter().enumerate() {
             for (point, truth) in truth.iter().enumerate().filter(|(_, truth)| **truth > 0.0) {
                 let covered = |run: &&StrategyOutcome| {
-                    printed_variance(&run.cells[cell].points[point]).map(|interval| holds(interval, *truth))
+                    run.cells[cell].points[point].variance_interval.map(|interval| holds(interval, *truth))
                 };
                 places.push(Place {
                     interval: "variance",
@@ -424,12 +424,6 @@ impl Group<'_> {
     }
 }
 
-/// What the table shows. Where all estimates were alike it has no room to say that there is no interval, and prints the
-/// variance itself twice: an interval that holds nothing.
-fn printed_variance(measured: &Measured) -> Option<Interval> {
-    Some(Interval { low: measured.variance_low, high: measured.variance_high })
-}
-
 /// Rounding is no miss: hits of probability ½ can reach the largest variance that there is.
 fn holds(interval: Interval, truth: f64) -> bool {
     let reach = 1e-12 * truth.abs();
@@ -438,10 +432,10 @@ fn holds(interval: Interval, truth: f64) -> bool {
 
 /// The slope of the true variances under the weights of one run, which its intervals tell.
 fn true_slope(points: &[RatePoint], truth: &dyn Fn(u64) -> Option<f64>) -> Option<f64> {
-    let z = normal_quantile(NOMINAL)?;
     let (mut x, mut y, mut noise) = (Vec::new(), Vec::new(), Vec::new());
     for point in points {
-        let relative = (point.high / point.low).ln() / (2.0 * z);
+        // Up to a factor, which no fit sees.
+        let relative = (point.high / point.low).ln();
         x.push((point.samples as f64).ln());
         y.push(truth(point.samples)?.ln());
         noise.push((relative * relative).max(1e-24));

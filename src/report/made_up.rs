@@ -13,6 +13,7 @@ use crate::oracle::{Method, Region, Truth};
 use crate::radiometry::{Albedo, Exitance, FormFactor, Irradiance};
 use crate::sampling::Strategy;
 use crate::statistics::Verdict;
+use crate::statistics::interval::{Interval, Z_95};
 use crate::trial::{
     CaseOutcome, Cell, Correlation, JudgedProperty, Measured, Rate, RatePoint, RunOutcome, StrategyOutcome, Timing,
 };
@@ -96,14 +97,13 @@ fn measured(noise: &mut Noise, truth: &Truth, variance: f64, shared: f64) -> Mea
     let std_error = (variance / replicates).sqrt();
     let bias = shared * std_error;
     let measured = variance * (1.0 + (2.0 / replicates).sqrt() * noise.normal()).max(0.0);
-    let half = 1.96 * (2.0 / replicates).sqrt();
+    let half = Z_95 * (2.0 / replicates).sqrt();
     Measured {
         mean: truth.irradiance.watts_per_square_metre() + bias,
         bias,
         bias_std_error: std_error,
         variance: measured,
-        variance_low: measured * (1.0 - half),
-        variance_high: measured * (1.0 + half),
+        variance_interval: Some(Interval { low: measured * (1.0 - half), high: measured * (1.0 + half) }),
         predicted_variance: (variance > 0.0).then_some(variance),
         mse: measured + bias * bias,
     }

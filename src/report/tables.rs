@@ -98,12 +98,16 @@ pub(super) fn convergence<'a>() -> Table<ConvergenceRow<'a>> {
                 "variance of one estimate, over the replicates (divisor n − 1)",
                 |r| r.measured.variance
             ),
-            column!("variance_low", "W²/m⁴", "lower end of the variance's 95 % interval", |r| r
+            column!(
+                "variance_low",
+                "W²/m⁴",
+                "lower end of the variance's 95 % interval; empty where fewer than thirty rays of the rarer kind (that arrive, or that are blocked) are expected",
+                |r| r.measured.variance_interval.map(|interval| interval.low)
+            ),
+            column!("variance_high", "W²/m⁴", "upper end of the same", |r| r
                 .measured
-                .variance_low),
-            column!("variance_high", "W²/m⁴", "upper end of the variance's 95 % interval", |r| r
-                .measured
-                .variance_high),
+                .variance_interval
+                .map(|interval| interval.high)),
             column!(
                 "predicted_variance_W2_m4",
                 "W²/m⁴",

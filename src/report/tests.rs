@@ -145,7 +145,7 @@ fn numbers_come_back_as_they_were_measured() {
                 assert_eq!(number("exact_irradiance_W_m2"), case.truths[i].irradiance.watts_per_square_metre());
                 assert_eq!(number("mean_irradiance_W_m2"), measured.mean);
                 assert_eq!(number("bias_W_m2"), measured.bias);
-                assert_eq!(number("variance_high"), measured.variance_high);
+                assert_eq!(number("variance_high"), measured.variance_interval.unwrap().high);
                 assert_eq!(number("mse_W2_m4"), measured.mse);
             }
         }
@@ -262,7 +262,7 @@ fn in_the_dark(mut case: crate::trial::CaseOutcome) -> crate::trial::CaseOutcome
             (cell.mean_bias, cell.mean_bias_std_error) = (0.0, 0.0);
             for p in &mut cell.points {
                 (p.mean, p.bias, p.bias_std_error, p.variance, p.mse) = (0.0, 0.0, 0.0, 0.0, 0.0);
-                (p.variance_low, p.variance_high, p.predicted_variance) = (0.0, 0.0, None);
+                (p.variance_interval, p.predicted_variance) = (None, None);
             }
         }
     }

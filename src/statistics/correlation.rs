@@ -90,15 +90,21 @@ pub fn interval(groups: &[PairSums], level: f64) -> Option<Interval> {
     };
     let centre = without(None)?;
     let left: Vec<f64> = (0..count).map(|k| without(Some(k))).collect::<Option<_>>()?;
+    from_left_out(centre, &left, level)
+}
+
+/// The same from a statistic on Fisher's scale ([`fisher`]): of all groups, and with each group left out.
+pub fn from_left_out(centre: f64, left: &[f64], level: f64) -> Option<Interval> {
+    let count = left.len();
     let mean = left.iter().sum::<f64>() / count as f64;
     let squares: f64 = left.iter().map(|z| (z - mean).powi(2)).sum();
-    let std_error = (squares * (count - 1) as f64 / count as f64).sqrt();
+    let std_error = (squares * count.checked_sub(1)? as f64 / count as f64).sqrt();
     let reach = student_quantile(level, (count - 1) as f64)? * std_error;
     Some(Interval { low: (centre - reach).tanh(), high: (centre + reach).tanh() })
 }
 
 /// artanh, finite at ±1: there it is the value next to it, which tanh takes back to ±1.
-fn fisher(correlation: f64) -> f64 {
+pub fn fisher(correlation: f64) -> f64 {
     let nearest = 1.0 - 0.5 * f64::EPSILON;
     correlation.clamp(-nearest, nearest).atanh()
 }

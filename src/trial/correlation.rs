@@ -2,13 +2,15 @@
 
 use super::measure::{CellSums, Prepared};
 use super::outcome::Correlation;
+use super::plan::CellPlan;
+use super::rare::is_rare;
 use crate::configuration::{Arrangement, Configuration};
 use crate::sampling::Strategy;
+use crate::statistics::correlation::{fisher, from_left_out};
 
 /// Groups of replicates for the delete-a-group jackknife.
 const GROUPS: usize = 16;
-/// Student's t with 15 degrees of freedom, two-sided 95 %.
-const T_95: f64 = 2.131_449_545_559_323;
+const LEVEL: f64 = 0.95;
 /// Separations of scattered points are gathered into this many bins.
 const BINS: usize = 32;
 /// Scattered points beyond this many are thinned evenly: pairs grow with the square.
@@ -21,13 +23,18 @@ struct Separation {
 }
 
 /// Correlation of the errors against separation, for each cell: the mean over the pairs at that separation, with a
-/// jackknife interval over the replicates on Fisher's scale. Points whose estimates never vary take no part.
-pub(super) fn correlations(prepared: &Prepared, strategy: Strategy, cells: &[CellSums]) -> Vec<Correlation> {
+/// jackknife interval over the replicates on Fisher's scale. Points whose estimates never vary, or vary by events that are
+/// too rare among the replicates that were kept, take no part.
+pub(super) fn correlations(
+    prepared: &Prepared,
+    strategy: Strategy,
+    cells: &[CellSums],
+    plans: &[CellPlan],
+) -> Vec<Correlation> {
     let separations = separations(&prepared.case.configuration);
-    let predicted = predicted(prepared, strategy, &separations);
     let n_points = prepared.exact.len();
     let mut found = Vec::new();
-    for cell in cells {
+    for (cell, plan) in cells.iter().zip(plans) {
         let rows = cell.kept.len() / n_points;
         if rows < 2 * GROUPS {
             continue;
@@ -36,6 +43,10 @@ pub(super) fn correlations(prepared: &Prepared, strategy: Strategy, cells: &[Cel
             let edge = |g: usize| g * rows / GROUPS * n_points;
             (0..GROUPS).map(|g| &cell.kept[edge(g)..edge(g + 1)]).collect()
         };
+        let takes_part: Vec<bool> = (cell.points.iter().zip(&plan.prediction.points).zip(prepared.exact))
+            .map(|((sums, predicted), exact)| *exact > 0.0 && !is_rare(sums, *predicted, rows as u64))
+            .collect();
+        let predicted = predicted(prepared, strategy, &separations, &takes_part);
         // First and second moments of each group for each point, so that leaving a group out is a subtraction.
         let single: Vec<Vec<[f64; 2]>> = groups.iter().map(|g| point_sums(g, n_points)).collect();
         for (separation, predicted) in separations.iter().zip(&predicted) {
@@ -54,6 +65,7 @@ pub(super) fn correlations(prepared: &Prepared, strategy: Strategy, cells: &[Cel
                 let n: usize = kept().map(|g| groups[g].len() / n_points).sum();
                 mean_correlation(
                     separation,
+                    &takes_part,
                     n as f64,
                     &|p| kept().fold([0.0; 2], |sum, g| [sum[0] + single[g][p][0], sum[1] + single[g][p][1]]),
                     &|pair| kept().map(|g| pair_sums[g][pair]).sum(),
@@ -62,16 +74,13 @@ pub(super) fn correlations(prepared: &Prepared, strategy: Strategy, cells: &[Cel
             let Some(correlation) = without(None) else { continue };
             let parts: Option<Vec<f64>> = (0..GROUPS).map(|g| without(Some(g)).map(fisher)).collect();
             let Some(parts) = parts else { continue };
-            let middle = parts.iter().sum::<f64>() / GROUPS as f64;
-            let spread: f64 = parts.iter().map(|z| (z - middle) * (z - middle)).sum();
-            let reach = T_95 * (spread * (GROUPS - 1) as f64 / GROUPS as f64).sqrt();
-            let z = fisher(correlation);
+            let Some(interval) = from_left_out(fisher(correlation), &parts, LEVEL) else { continue };
             found.push(Correlation {
                 samples: cell.samples,
                 separation: separation.metres,
                 correlation,
-                low: (z - reach).tanh(),
-                high: (z + reach).tanh(),
+                low: interval.low,
+                high: interval.high,
                 predicted: *predicted,
             });
         }
@@ -84,12 +93,16 @@ pub(super) fn pairs(configuration: &Configuration) -> Vec<(usize, usize)> {
     separations(configuration).into_iter().flat_map(|separation| separation.pairs).collect()
 }
 
-/// What the exact side predicts for each separation: the mean over the pairs whose both points vary; zero where points are
-/// fresh.
-fn predicted(prepared: &Prepared, strategy: Strategy, separations: &[Separation]) -> Vec<Option<f64>> {
+/// What the exact side predicts for each separation: the mean over the pairs whose both points take part; zero where points
+/// are fresh.
+fn predicted(
+    prepared: &Prepared,
+    strategy: Strategy,
+    separations: &[Separation],
+    takes_part: &[bool],
+) -> Vec<Option<f64>> {
     let correlations = prepared.predictions.correlations(strategy);
     let mut rest = correlations.unwrap_or_default();
-    let varies = |p: usize| prepared.exact[p] > 0.0;
     separations
         .iter()
         .map(|separation| {
@@ -99,16 +112,11 @@ fn predicted(prepared: &Prepared, strategy: Strategy, separations: &[Separation]
             correlations?;
             let (own, others) = rest.split_at(separation.pairs.len());
             rest = others;
-            let both = separation.pairs.iter().zip(own).filter(|((i, j), _)| varies(*i) && varies(*j));
+            let both = separation.pairs.iter().zip(own).filter(|((i, j), _)| takes_part[*i] && takes_part[*j]);
             let (sum, count) = both.fold((0.0, 0_u32), |(sum, count), (_, c)| (sum + c, count + 1));
             (count > 0).then(|| sum / f64::from(count))
         })
         .collect()
-}
-
-/// Fisher's z, kept finite for errors that are proportional.
-fn fisher(correlation: f64) -> f64 {
-    correlation.clamp(-1.0 + 1e-15, 1.0 - 1e-15).atanh()
 }
 
 fn point_sums(rows: &[f64], n_points: usize) -> Vec<[f64; 2]> {
@@ -125,12 +133,14 @@ fn point_sums(rows: &[f64], n_points: usize) -> Vec<[f64; 2]> {
 /// Mean over the pairs of their correlation coefficient; `None` where no pair varies.
 fn mean_correlation(
     separation: &Separation,
+    takes_part: &[bool],
     n: f64,
     sums: &dyn Fn(usize) -> [f64; 2],
     products: &dyn Fn(usize) -> f64,
 ) -> Option<f64> {
     let (mut total, mut count) = (0.0, 0_u32);
-    for (pair, (i, j)) in separation.pairs.iter().enumerate() {
+    let pairs = separation.pairs.iter().enumerate();
+    for (pair, (i, j)) in pairs.filter(|(_, (i, j))| takes_part[*i] && takes_part[*j]) {
         let ([s_i, q_i], [s_j, q_j]) = (sums(*i), sums(*j));
         let (v_i, v_j) = (q_i - s_i * s_i / n, q_j - s_j * s_j / n);
         if v_i > 1e-12 * q_i && v_j > 1e-12 * q_j {

@@ -11,10 +11,8 @@ use super::plan::{CellPlan, margin, point_margin};
 use crate::case::{Replicates, Study};
 use crate::sampling::Strategy;
 use crate::statistics::evidence::{THRESHOLD_LOG10, ln_average, log10_capped};
+use crate::statistics::interval::Z_95;
 use crate::statistics::{Capital, Observed, PowerSums, Statement, Verdict};
-
-/// Two-sided 95 % of a normal distribution.
-pub(super) const Z_95: f64 = 1.959_963_984_540_054;
 
 /// What a component is about.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -103,7 +101,7 @@ fn sums(cell: &CellSums, subject: Subject) -> &PowerSums {
 
 fn capital(prepared: &Prepared, study: &Study, subject: Subject, cell: &CellSums, plan: &CellPlan) -> Capital {
     let (exact, margin, variance) = match subject {
-        Subject::Point(p) => (prepared.exact[p], point_margin(&prepared.truths[p], study), plan.point_variances[p]),
+        Subject::Point(p) => (prepared.exact[p], point_margin(prepared, p, study), plan.point_variances[p]),
         Subject::Contrast(k) => (
             prepared.contrasts.exact[k],
             margin(prepared, study, &prepared.contrasts.weights[k]),

@@ -52,6 +52,8 @@ pub(super) struct Prepared<'a> {
     pub exact: &'a [f64],
     /// The sources' light at each point, of which it may see a share, W/m².
     pub full: &'a [f64],
+    /// What each point's estimates are rounded in units of, beside their own size, W/m².
+    pub grazing: &'a [f64],
     pub estimator: &'a dyn Estimator,
     pub contrasts: &'a Contrasts,
     pub predictions: &'a Predictions,

@@ -12,6 +12,7 @@ mod measure;
 mod outcome;
 mod plan;
 mod predict;
+mod rare;
 mod rates;
 mod reach;
 mod ready;

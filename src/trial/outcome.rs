@@ -5,6 +5,7 @@ use crate::oracle::{Region, Truth};
 use crate::radiometry::Albedo;
 use crate::sampling::Strategy;
 use crate::statistics::Verdict;
+use crate::statistics::interval::Interval;
 
 /// A whole run, cases in the order they were given.
 #[derive(Clone, Debug)]
@@ -68,9 +69,8 @@ pub struct Measured {
     pub bias_std_error: f64,
     /// Variance of one estimate, W²/m⁴ (divisor n − 1).
     pub variance: f64,
-    /// 95 % interval of the variance, W²/m⁴.
-    pub variance_low: f64,
-    pub variance_high: f64,
+    /// 95 % interval of the variance, W²/m⁴; `None` where too few rays decide it (`trial/rare.rs`).
+    pub variance_interval: Option<Interval>,
     /// Of the exact side, W²/m⁴; `None` where it is not predicted.
     pub predicted_variance: Option<f64>,
     /// Mean squared error against the exact value, W²/m⁴.

@@ -129,11 +129,11 @@ impl CellPlan {
         let m = components(prepared, study);
         let mut needed = FEWEST_REPLICATES.max(FEWEST_SAMPLES / self.samples);
         if let Some((value, margin)) = mean_of(prepared, study) {
-            let shift = study.smallest_bias.mean * value - margin;
+            let shift = before_scaling(study.smallest_bias.mean) * value - margin;
             needed = needed.max(replicates_for(shift, self.contrast_variances[0], m));
         }
         for (p, value, margin) in well_lit(prepared, study) {
-            let shift = study.smallest_bias.point * value - margin;
+            let shift = before_scaling(study.smallest_bias.point) * value - margin;
             needed = needed.max(replicates_for(shift, self.point_variances[p], m));
         }
         let rays = prepared.estimator.rays_per_estimate(self.samples) * prepared.exact.len() as u64;
@@ -146,12 +146,25 @@ impl CellPlan {
     pub fn smallest_biases(&self, prepared: &Prepared, study: &Study) -> SmallestBiases {
         let m = components(prepared, study);
         let mean = mean_of(prepared, study)
-            .map(|(value, margin)| (smallest_shift(self.contrast_variances[0], self.replicates, m) + margin) / value);
+            .map(|(value, margin)| (smallest_shift(self.contrast_variances[0], self.replicates, m) + margin) / value)
+            .map(scaled);
         let point = well_lit(prepared, study)
             .map(|(p, value, margin)| (smallest_shift(self.point_variances[p], self.replicates, m) + margin) / value)
+            .map(scaled)
             .reduce(f64::max);
         SmallestBiases { mean, point }
     }
+}
+
+/// A bias that scales each estimate by 1 + s scales its spread, too: where a plain shift of s₀ would be caught, this
+/// takes s with s = s₀ (1 + s).
+fn scaled(shift: f64) -> f64 {
+    if shift < 1.0 { shift / (1.0 - shift) } else { f64::INFINITY }
+}
+
+/// The plain shift that must be caught for a scaling to be.
+fn before_scaling(scaling: f64) -> f64 {
+    scaling / (1.0 + scaling)
 }
 
 /// Exact mean over the points and the half-width within which no deviation counts, W/m².
@@ -162,15 +175,16 @@ fn mean_of(prepared: &Prepared, study: &Study) -> Option<(f64, f64)> {
 
 /// Half-width of the exact interval of a weighted sum: stated bounds, rounding of the estimates, tolerance.
 pub(super) fn margin(prepared: &Prepared, study: &Study, weights: &[f64]) -> f64 {
-    weights.iter().zip(prepared.truths).map(|(w, truth)| w.abs() * point_margin(truth, study)).sum()
+    weights.iter().enumerate().map(|(p, w)| w.abs() * point_margin(prepared, p, study)).sum()
 }
 
 /// The same for one point.
-pub(super) fn point_margin(truth: &crate::oracle::Truth, study: &Study) -> f64 {
+pub(super) fn point_margin(prepared: &Prepared, p: usize, study: &Study) -> f64 {
     // An estimate is a sum of positive terms, each off by a few roundings.
     const ROUNDING: f64 = 16.0 * f64::EPSILON;
-    let value = truth.irradiance.watts_per_square_metre();
-    truth.bound.watts_per_square_metre() + (ROUNDING + study.tolerance) * value
+    let value = prepared.exact[p];
+    let bound = prepared.truths[p].bound.watts_per_square_metre();
+    bound + ROUNDING * (value + prepared.grazing[p]) + study.tolerance * value
 }
 
 /// Points that a tenth or more of the light reaches: index, exact value, half-width, W/m².
@@ -178,7 +192,7 @@ fn well_lit<'a>(prepared: &'a Prepared, study: &'a Study) -> impl Iterator<Item 
     prepared.truths.iter().enumerate().filter_map(move |(p, truth)| {
         let value = truth.irradiance.watts_per_square_metre();
         let lit = value > 0.0 && value >= WELL_LIT * prepared.full[p];
-        lit.then(|| (p, value, point_margin(truth, study)))
+        lit.then(|| (p, value, point_margin(prepared, p, study)))
     })
 }
 

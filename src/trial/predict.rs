@@ -143,9 +143,6 @@ impl Predictions {
     }
 }
 
-/// In units of the squared mean: a variance below this is lost in the error of the second moment.
-const CANCELS: f64 = 0.2;
-
 /// Spread of what one draw of a technique brings (for techniques that draw on each source, one draw on each).
 fn of_technique(
     oracle: &Oracle,
@@ -166,11 +163,7 @@ fn of_technique(
             if solid_angle <= 0.0 {
                 return Some(Spread::default());
             }
-            let moments = oracle.sample_moments(i, point, |at| Contribution::by_solid_angle(at, solid_angle))?;
-            let spread = moments.spread();
-            // All but constant, what a direction brings has a variance that cancels below the cells' error.
-            let [mean, ..] = moments.raw;
-            (spread.variance > CANCELS * mean * mean).then_some(spread)
+            Some(oracle.sample_moments(i, point, |at| Contribution::by_solid_angle(at, solid_angle))?.spread())
         }),
         Technique::Cosine => Some(oracle.cosine_moments(point)?.spread()),
         Technique::Mis(heuristic) => {

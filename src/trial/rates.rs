@@ -7,13 +7,12 @@ use crate::oracle::Region;
 use crate::sampling::{PointSet, Seams, Strategy, Surface};
 use crate::statistics::Verdict;
 use crate::statistics::evidence::ALPHA;
+use crate::statistics::interval::{Interval, student_quantile};
 use crate::statistics::slope::{Line, Noise};
 
 const LEVEL: f64 = 0.95;
 /// A slope's interval wider than this decides nothing: it tells −1 from −3/2 no more.
 const WIDEST_SLOPE: f64 = 0.5;
-/// Two-sided 95 % of a normal distribution.
-const Z_95: f64 = 1.959_963_984_540_054;
 
 /// One rate for all points that light reaches, and one for each region with at least two of them.
 pub(super) fn rates(prepared: &Prepared, strategy: Strategy, cells: &[CellSums], plans: &[CellPlan]) -> Vec<Rate> {
@@ -54,7 +53,7 @@ fn rate(
         let spread = batches.iter().map(|b| (b - middle) * (b - middle)).sum::<f64>() / (batches.len() - 1) as f64;
         let relative = (spread / batches.len() as f64).sqrt() / middle;
         // Intervals of a positive quantity, on the logarithmic scale.
-        let factor = (Z_95 * relative).exp();
+        let factor = (student_quantile(LEVEL, freedom(cell))? * relative).exp();
         curve.push(RatePoint { samples: cell.samples, value, low: value / factor, high: value * factor });
         x.push((cell.samples as f64).ln());
         y.push(value.ln());
@@ -67,14 +66,21 @@ fn rate(
         noise.push((relative * relative).max(1e-24));
     }
     let line = Line::through(&x, &y, Noise::Known { variances: &noise }).ok()?;
-    let interval = line.slope_interval(LEVEL)?;
+    let slope_error = line.slope_std_error?;
+    // Each noise is itself measured, from the batches: Student's t of a single one, which is on the safe side for several.
+    let least = cells.iter().map(freedom).reduce(f64::min)?;
+    let around = |level: f64| {
+        let reach = student_quantile(level, least)? * slope_error;
+        Some(Interval { low: line.slope - reach, high: line.slope + reach })
+    };
+    let interval = around(LEVEL)?;
     // The same fit, with the same weights, of what is predicted: a finite range is not the asymptote.
     let expected = predicted
         .as_ref()
         .and_then(|y| Line::through(&x, y, Noise::Known { variances: &noise }).ok())
         .map(|line| line.slope);
     let asymptote = asymptote(prepared, strategy, points);
-    let surely = line.slope_interval(1.0 - ALPHA)?;
+    let surely = around(1.0 - ALPHA)?;
     let verdict = expected.map(|expected| match surely.contains(expected) {
         false => Verdict::Fail,
         true if interval.width() <= WIDEST_SLOPE => Verdict::Pass,
@@ -92,6 +98,11 @@ fn rate(
         verdict,
         points: curve,
     })
+}
+
+/// Degrees of freedom of a cell's noise.
+fn freedom(cell: &CellSums) -> f64 {
+    (cell.batches.len() - 1).max(1) as f64
 }
 
 /// The slope that theory gives for large N, by what the integrand is over the unit square:

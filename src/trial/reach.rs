@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use crate::configuration::{Configuration, MeasurementPoint, Source};
 use crate::geometry::Shape;
-use crate::oracle::{Oracle, Truth};
+use crate::oracle::{Oracle, Region, Truth};
 use crate::sampling::Technique;
 
 /// The sources' light at each point, W/m²: the unoccluded irradiance, and where the point's own horizon cuts a source
@@ -31,6 +31,24 @@ pub(super) fn full(configuration: &Configuration, oracle: &Oracle, truths: &[Tru
             unoccluded.max(facing.unwrap_or(0.0))
         })
         .collect()
+}
+
+/// What a sample would bring were both its cosines one, W/m²: a cosine is off by roundings of one, not of itself, so where
+/// light only grazes this is what roundings are relative to. Zero in the umbra, where no cosine counts: blocked is blocked.
+///
+/// - at most 10⁶ times the exitances, for points that a source may touch
+pub(super) fn grazing(configuration: &Configuration, point: &MeasurementPoint, truth: &Truth) -> f64 {
+    if truth.region == Region::Umbra {
+        return 0.0;
+    }
+    let of_source = |source: &Source| {
+        let (low, high) = source.shape().bounds();
+        let x = point.position();
+        let distance_squared = (low - x).max(x - high).max(DVec3::ZERO).length_squared();
+        let share = source.shape().area() / (PI * distance_squared);
+        source.exitance().watts_per_square_metre() * share.min(1e6)
+    };
+    configuration.sources().iter().map(of_source).sum()
 }
 
 /// Least height of a shape over a point's tangent plane, metres.

@@ -7,7 +7,7 @@ use super::correlation;
 use super::measure::{Contrasts, Prepared};
 use super::outcome::Timing;
 use super::predict::Predictions;
-use super::reach::full;
+use super::reach::{full, grazing};
 use super::run::Maker;
 use crate::case::{Case, Study};
 use crate::estimator::Estimator;
@@ -19,6 +19,7 @@ pub(super) struct Ready<'a> {
     pub truths: Vec<Truth>,
     exact: Vec<f64>,
     full: Vec<f64>,
+    grazing: Vec<f64>,
     contrasts: Contrasts,
     predictions: Predictions,
     estimators: BTreeMap<Technique, Box<dyn Estimator>>,
@@ -42,6 +43,9 @@ impl<'a> Ready<'a> {
         let exact: Vec<f64> = truths.iter().map(|truth| truth.irradiance.watts_per_square_metre()).collect();
         let contrasts = Contrasts::new(&exact);
         let full = full(configuration, &oracle, &truths);
+        let grazing =
+            configuration.points().iter().zip(&truths).map(|(point, truth)| grazing(configuration, point, truth));
+        let grazing = grazing.collect();
         let start = Instant::now();
         let pairs = correlation::pairs(configuration);
         let predictions = Predictions::new(&oracle, configuration, study, &contrasts.weights, &pairs);
@@ -50,7 +54,7 @@ impl<'a> Ready<'a> {
         for strategy in &study.strategies {
             estimators.entry(strategy.technique()).or_insert_with_key(|technique| make(configuration, *technique));
         }
-        Ready { case, truths, exact, full, contrasts, predictions, estimators, timings }
+        Ready { case, truths, exact, full, grazing, contrasts, predictions, estimators, timings }
     }
 
     /// - `strategy`: one of the study's
@@ -61,6 +65,7 @@ impl<'a> Ready<'a> {
             truths: &self.truths,
             exact: &self.exact,
             full: &self.full,
+            grazing: &self.grazing,
             estimator: &*self.estimators[&strategy.technique()],
             contrasts: &self.contrasts,
             predictions: &self.predictions,

@@ -12,6 +12,7 @@ use super::judge;
 use super::measure::{CellSums, Prepared, measure};
 use super::outcome::{CaseOutcome, Cell, Measured, RunOutcome, StrategyOutcome, Timing};
 use super::plan::{CellPlan, pilot_replicates};
+use super::rare::is_rare;
 use super::rates::rates;
 use super::ready::Ready;
 use super::settings::Settings;
@@ -201,7 +202,7 @@ fn run_strategy(
     StrategyOutcome {
         strategy,
         rates: rates(prepared, strategy, &cells, &plans),
-        correlations: correlations(prepared, strategy, &cells),
+        correlations: correlations(prepared, strategy, &cells, &plans),
         verdicts,
         cells: cells.iter().zip(&plans).map(|(cell, plan)| shown(cell, plan)).collect(),
         timings,
@@ -219,14 +220,13 @@ fn efficiency(cell: &CellSums, n_points: usize) -> Option<f64> {
 fn shown(cell: &CellSums, plan: &CellPlan) -> Cell {
     let points = cell.points.iter().zip(&plan.prediction.points).map(|(sums, predicted)| {
         let variance = sums.variance().unwrap_or(0.0);
-        let spread = interval::of_variance(sums, LEVEL);
         Measured {
             mean: sums.mean().unwrap_or(0.0),
             bias: sums.mean_deviation().unwrap_or(0.0),
             bias_std_error: sums.std_error().unwrap_or(0.0),
             variance,
-            variance_low: spread.map_or(variance, |interval| interval.low),
-            variance_high: spread.map_or(variance, |interval| interval.high),
+            variance_interval: interval::of_variance(sums, LEVEL)
+                .filter(|_| !is_rare(sums, *predicted, cell.replicates)),
             predicted_variance: predicted.map(|predicted| predicted.spread.variance),
             mse: sums.mean_square_deviation().unwrap_or(0.0),
         }

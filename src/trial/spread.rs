@@ -6,7 +6,7 @@
 //! [`crate::statistics::evidence`]). Smaller errors than predicted are a fault as larger ones are: points that are better
 //! than they claim are not the points that were asked for.
 
-use super::judge::{Z_95, place_words};
+use super::judge::place_words;
 use super::measure::{CellSums, Prepared};
 use super::outcome::JudgedProperty;
 use super::plan::{CellPlan, margin, point_margin};
@@ -14,6 +14,7 @@ use super::predict::Tolerated;
 use crate::case::Study;
 use crate::sampling::Strategy;
 use crate::statistics::evidence::{THRESHOLD_LOG10, ln_average, log10_capped, smallest_shift};
+use crate::statistics::interval::Z_95;
 use crate::statistics::{Capital, Observed, PowerSums, Statement, Verdict};
 
 /// Relative deviation of all variances alike that a pass must have been able to see.
@@ -71,7 +72,7 @@ pub(super) fn variance(
     reproduce: &str,
 ) -> Option<JudgedProperty> {
     let watched = (0..prepared.exact.len()).map(|p| {
-        let margin = point_margin(&prepared.truths[p], study);
+        let margin = point_margin(prepared, p, study);
         let series = cells.iter().zip(plans).map(|(cell, plan)| {
             Watched::new(&cell.points[p], plan.prediction.points[p]?, prepared.exact[p], margin, study.tolerance)
         });

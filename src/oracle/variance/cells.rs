@@ -1,6 +1,9 @@
 //! Integrals over cells of the unit square, halved until each is wholly seen, wholly hidden, or small.
 
+use smallvec::SmallVec;
+
 use super::field::{Contribution, Field, Landing};
+use super::moments::SampleMoments;
 
 /// A rectangle in the unit square.
 #[derive(Clone, Copy, Debug)]
@@ -24,26 +27,6 @@ impl Cell {
         let (u, v) = self.at(0.5, 0.5);
         let ([u0, u1], [v0, v1]) = (self.u, self.v);
         [[[u0, u], [v0, v]], [[u, u1], [v0, v]], [[u0, u], [v, v1]], [[u, u1], [v, v1]]].map(|[u, v]| Cell { u, v })
-    }
-}
-
-/// ∫ density · valueᵠ · Vis over a cell, q = 1 to 4.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Sums(pub [f64; 4]);
-
-impl Sums {
-    pub fn add(&mut self, other: &Sums) {
-        for (sum, x) in self.0.iter_mut().zip(other.0) {
-            *sum += x;
-        }
-    }
-
-    fn add_sample(&mut self, contribution: Contribution, weight: f64) {
-        let mut term = weight * contribution.density;
-        for sum in &mut self.0 {
-            term *= contribution.value;
-            *sum += term;
-        }
     }
 }
 
@@ -84,24 +67,36 @@ const GAUSS_4: [(f64, f64); 4] = [
 ];
 
 impl<F: Fn(&Landing) -> Contribution> Cells<'_, F> {
-    /// The integrals over a cell.
+    /// The moments over a cell: of what is brought from there, its weight the probability to land there unblocked.
     ///
     /// - `level`: halvings that led to it
-    /// - `visit`: told (level, area, integrals) of every cell down to the finest level, a cell after its quarters
-    pub fn sums(&self, cell: Cell, level: u32, visit: &mut impl FnMut(u32, f64, &Sums)) -> Sums {
+    /// - `visit`: told (level, area, moments) of every cell down to the finest level, a cell after its quarters
+    pub fn moments(&self, cell: Cell, level: u32, visit: &mut impl FnMut(u32, f64, &SampleMoments)) -> SampleMoments {
         self.part(cell, level, f64::INFINITY, visit)
     }
 
     /// - `above`: how far the cell reaches of which this one is a quarter
-    fn part(&self, cell: Cell, level: u32, above: f64, visit: &mut impl FnMut(u32, f64, &Sums)) -> Sums {
-        let sums = self.found(cell, level, above, visit);
+    fn part(
+        &self,
+        cell: Cell,
+        level: u32,
+        above: f64,
+        visit: &mut impl FnMut(u32, f64, &SampleMoments),
+    ) -> SampleMoments {
+        let moments = self.found(cell, level, above, visit);
         if level <= self.finest {
-            visit(level, cell.area(), &sums);
+            visit(level, cell.area(), &moments);
         }
-        sums
+        moments
     }
 
-    fn found(&self, cell: Cell, level: u32, above: f64, visit: &mut impl FnMut(u32, f64, &Sums)) -> Sums {
+    fn found(
+        &self,
+        cell: Cell,
+        level: u32,
+        above: f64,
+        visit: &mut impl FnMut(u32, f64, &SampleMoments),
+    ) -> SampleMoments {
         let (u, v) = cell.at(0.5, 0.5);
         let (middle, margin) = self.field.seen(u, v);
         let places = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(|(s, t)| {
@@ -115,7 +110,7 @@ impl<F: Fn(&Landing) -> Contribution> Cells<'_, F> {
         let may_end = level >= SMOOTH_LEVEL.max(self.finest);
         if margin.abs() > reach {
             if margin < 0.0 && may_end {
-                return Sums::default();
+                return SampleMoments::SHADOW;
             }
             let sets = |(_, landing): &(_, Landing)| landing.cos_receiver * landing.cos_source > 0.0;
             let lit = places.iter().filter(|place| sets(place)).count();
@@ -128,30 +123,28 @@ impl<F: Fn(&Landing) -> Contribution> Cells<'_, F> {
         } else if level >= self.edge_level.max(self.finest + EDGE_BELOW) && (reach <= WIDEST || is_torn) {
             let (u, v) = cell.at(0.5, 0.5);
             let margins = corners.map(|corner| self.field.margin(corner));
-            let mut sums = Sums::default();
             let (_, landing) = self.field.at(u, v);
-            sums.add_sample((self.contribution)(&landing), cell.area() * seen_share(margin, margins));
-            return sums;
+            let Contribution { value, density } = (self.contribution)(&landing);
+            let weight = density * cell.area() * seen_share(margin, margins);
+            return SampleMoments { has_shadow: true, ..SampleMoments::point(value, weight) };
         }
-        let mut sums = Sums::default();
-        for quarter in cell.quarters() {
-            sums.add(&self.part(quarter, level + 1, reach, visit));
-        }
-        sums
+        let quarters = cell.quarters().map(|quarter| self.part(quarter, level + 1, reach, visit));
+        quarters.into_iter().fold(SampleMoments::default(), SampleMoments::plus)
     }
 
     /// A product rule over a cell without an edge.
-    fn ruled(&self, cell: Cell, rule: &[(f64, f64)]) -> Sums {
-        let mut sums = Sums::default();
+    fn ruled(&self, cell: Cell, rule: &[(f64, f64)]) -> SampleMoments {
         let area = cell.area();
+        let mut values: SmallVec<[(f64, f64); 16]> = SmallVec::new();
         for (s, weight_s) in rule {
             for (t, weight_t) in rule {
                 let (u, v) = cell.at(*s, *t);
                 let (_, landing) = self.field.at(u, v);
-                sums.add_sample((self.contribution)(&landing), area * weight_s * weight_t);
+                let Contribution { value, density } = (self.contribution)(&landing);
+                values.push((value, density * area * weight_s * weight_t));
             }
         }
-        sums
+        SampleMoments::of(&values)
     }
 }
 

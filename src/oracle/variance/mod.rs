@@ -1,27 +1,29 @@
 //! The spread of what samples bring, predicted: moments of estimates from integrals over the visible source.
 //!
 //! With X what one sample brings (for places uniform by area A M cosθᵢ cosθₛ Vis/(π r²)), the mean of N independent samples
-//! has variance (E X² − (E X)²)/N, and the mean of one sample in each of N strata of equal area
-//! (1/N²) Σₖ (Eₖ X² − (Eₖ X)²), Eₖ the mean over stratum k. Moments are integrals over the unit square that places are drawn
+//! has variance E (X − E X)²/N, and the mean of one sample in each of N strata of equal area
+//! (1/N²) Σₖ Eₖ (X − Eₖ X)², Eₖ the mean over stratum k. Moments are integrals over the unit square that places are drawn
 //! from, cut into cells that are wholly seen, wholly hidden, or (on a shadow's edge) too small to matter; which of these a
 //! cell is follows from its distance to the shadow's outline, which the exact side knows.
 //!
-//! - error: second moments below [`RELATIVE_ERROR`] of themselves, variances of strata likewise while strata are larger than
+//! - error: variances below [`RELATIVE_ERROR`] of themselves, those of strata likewise while strata are larger than
 //!   1/4096 of the source's width; third and fourth moments, which only plan and bound, below ten times that
 //! - second route: `Oracle::by_quadrature_with`, of the sources times their own kernel (tests)
 
 mod cells;
 mod chart;
 mod field;
+mod moments;
 mod shared;
 #[cfg(test)]
 mod tests;
 
 pub(super) use chart::Chart;
 pub use field::{Contribution, Landing};
+pub use moments::SampleMoments;
 pub use shared::Shared;
 
-use cells::{Cell, Cells, Sums};
+use cells::{Cell, Cells};
 use field::Field;
 
 use super::exact::Oracle;
@@ -29,13 +31,6 @@ use crate::configuration::MeasurementPoint;
 
 /// Relative error, at most, of predicted variances.
 pub const RELATIVE_ERROR: f64 = 1e-3;
-
-/// Moments of what one sample on one source brings.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SampleMoments {
-    /// E Xᵠ for q = 1 to 4, (W/m²)ᵠ.
-    pub raw: [f64; 4],
-}
 
 /// Spread of an estimate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -72,20 +67,6 @@ impl Spread {
     }
 }
 
-impl SampleMoments {
-    /// What several kinds of samples that exclude one another (a ray that hits one source or another) come to together.
-    pub fn either(parts: &[SampleMoments]) -> SampleMoments {
-        SampleMoments { raw: std::array::from_fn(|q| parts.iter().map(|part| part.raw[q]).sum()) }
-    }
-
-    pub fn spread(&self) -> Spread {
-        let [m1, m2, m3, m4] = self.raw;
-        let variance = (m2 - m1 * m1).max(0.0);
-        let fourth = (m4 - 4.0 * m3 * m1 + 6.0 * m2 * m1 * m1 - 3.0 * m1 * m1 * m1 * m1).max(variance * variance);
-        Spread { variance, fourth_cumulant: fourth - 3.0 * variance * variance }
-    }
-}
-
 impl Oracle {
     /// Moments of what one sample on a source brings to a point.
     ///
@@ -101,16 +82,16 @@ impl Oracle {
         let field = Field::new(self, source, point)?;
         let due = self.due(source, point);
         if field.is_dark() || due == 0.0 {
-            return Some(SampleMoments { raw: [0.0; 4] });
+            return Some(SampleMoments::SHADOW);
         }
         EDGE_LEVELS.into_iter().find_map(|edge_level| {
             // The mean by area comes along, as a check: it is known.
             let by_area = Cells { field: &field, contribution: Contribution::by_area, finest: 0, edge_level };
-            if !agrees(by_area.sums(Cell::WHOLE, 0, &mut |_, _, _| {}).0[0], due) {
+            if !agrees(by_area.moments(Cell::WHOLE, 0, &mut |_, _, _| {}).first_moment(), due) {
                 return None;
             }
             let cells = Cells { field: &field, contribution: &contribution, finest: 0, edge_level };
-            Some(SampleMoments { raw: cells.sums(Cell::WHOLE, 0, &mut |_, _, _| {}).0 })
+            Some(cells.moments(Cell::WHOLE, 0, &mut |_, _, _| {}))
         })
     }
 
@@ -118,11 +99,9 @@ impl Oracle {
     /// that it meets, with the source's form factor as its probability.
     pub fn cosine_moments(&self, point: &MeasurementPoint) -> Option<SampleMoments> {
         let seen = self.seen(point);
-        let powers = |q: i32| {
-            let parts = seen.iter().zip(&self.sources);
-            parts.map(|(seen, source)| source.exitance.powi(q) * seen.visible.value).sum()
-        };
-        Some(SampleMoments { raw: [1, 2, 3, 4].map(powers) })
+        let parts = seen.iter().zip(&self.sources);
+        let found = parts.map(|(seen, source)| SampleMoments::point(source.exitance, seen.visible.value));
+        Some(found.fold(SampleMoments::SHADOW, SampleMoments::plus))
     }
 
     /// The irradiance of one source at a point, W/m².
@@ -135,12 +114,12 @@ impl Oracle {
         let field = Field::new(self, source, point)?;
         let due = self.due(source, point);
         if field.is_dark() || due == 0.0 {
-            return Some(SampleMoments { raw: [0.0; 4] });
+            return Some(SampleMoments::SHADOW);
         }
         EDGE_LEVELS.into_iter().find_map(|edge_level| {
             let cells = Cells { field: &field, contribution: Contribution::by_area, finest: 0, edge_level };
-            let raw = cells.sums(Cell::WHOLE, 0, &mut |_, _, _| {}).0;
-            agrees(raw[0], due).then_some(SampleMoments { raw })
+            let moments = cells.moments(Cell::WHOLE, 0, &mut |_, _, _| {});
+            agrees(moments.first_moment(), due).then_some(moments)
         })
     }
 
@@ -186,14 +165,14 @@ fn strata_of(
         |n: u64| (n.is_power_of_two() && n.trailing_zeros().is_multiple_of(2)).then(|| n.trailing_zeros() / 2);
     if let Some(finest) = counts.iter().filter_map(|n| level_of(*n)).max() {
         let cells = Cells { field, contribution: Contribution::by_area, finest, edge_level };
-        let whole = cells.sums(Cell::WHOLE, 0, &mut |level, area, sums: &Sums| {
+        let whole = cells.moments(Cell::WHOLE, 0, &mut |level, area, moments: &SampleMoments| {
             for (spread, n) in spreads.iter_mut().zip(counts) {
                 if level_of(*n) == Some(level) {
-                    *spread = spread.plus(of_stratum(sums, area, *n));
+                    *spread = spread.plus(of_stratum(*moments, area, *n));
                 }
             }
         });
-        if !agrees(whole.0[0], due) {
+        if !agrees(whole.first_moment(), due) {
             return None;
         }
     }
@@ -206,9 +185,9 @@ fn strata_of(
         let mut mean = 0.0;
         for [u0, u1, v0, v1] in strata(*n) {
             let cell = Cell { u: [u0, u1], v: [v0, v1] };
-            let sums = cells.sums(cell, level, &mut |_, _, _| {});
-            mean += sums.0[0];
-            *spread = spread.plus(of_stratum(&sums, cell.area(), *n));
+            let moments = cells.moments(cell, level, &mut |_, _, _| {});
+            mean += moments.first_moment();
+            *spread = spread.plus(of_stratum(moments, cell.area(), *n));
         }
         if !agrees(mean, due) {
             return None;
@@ -227,6 +206,6 @@ fn agrees(found: f64, due: f64) -> bool {
 const EDGE_LEVELS: [u32; 3] = [9, 11, 13];
 
 /// One stratum's part in the mean over N strata.
-fn of_stratum(sums: &Sums, area: f64, n: u64) -> Spread {
-    SampleMoments { raw: sums.0.map(|sum| sum / area) }.spread().scaled(1.0 / n as f64)
+fn of_stratum(moments: SampleMoments, area: f64, n: u64) -> Spread {
+    moments.spread_within(area).scaled(1.0 / n as f64)
 }

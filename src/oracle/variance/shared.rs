@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 
+use super::Spread;
 use super::field::{Contribution, Field};
-use super::{SampleMoments, Spread};
 use crate::configuration::MeasurementPoint;
 use crate::oracle::Oracle;
 
@@ -33,11 +33,11 @@ pub struct Shared {
 /// Sums over places, of one source.
 #[derive(Clone)]
 struct Tally {
-    /// Σ Yᵠ of each weighting.
+    /// Σ Yᵠ of each weighting, of deviations from what is due.
     weighed: Vec<[f64; 4]>,
-    /// Σ X and Σ X² of each point.
+    /// Σ X and Σ X² of each point's deviations.
     points: Vec<[f64; 2]>,
-    /// Σ Xᵢ Xⱼ of each pair.
+    /// Σ Xᵢ Xⱼ of each pair's.
     pairs: Vec<f64>,
 }
 
@@ -63,9 +63,11 @@ impl Oracle {
         for source in 0..self.sources.len() {
             let fields: Vec<Field> =
                 points.iter().map(|point| Field::new(self, source, point)).collect::<Option<_>>()?;
+            // Deviations, so that what hardly varies is not lost below the square of its mean.
+            let due: Vec<f64> = points.iter().map(|point| self.due(source, point)).collect();
             let tallies: Vec<Tally> = (0..PLACES.div_ceil(CHUNK))
                 .into_par_iter()
-                .map(|k| tally(&fields, weights, pairs, k * CHUNK..((k + 1) * CHUNK).min(PLACES)))
+                .map(|k| tally(&fields, &due, weights, pairs, k * CHUNK..((k + 1) * CHUNK).min(PLACES)))
                 .collect();
             let n = PLACES as f64;
             // Added in order: the same bits on any number of threads.
@@ -74,7 +76,7 @@ impl Oracle {
             for ((spread, error), (sums, row)) in
                 shared.sums.iter_mut().zip(&mut shared.sum_errors).zip(total.weighed.iter().zip(weights))
             {
-                *spread = spread.plus(SampleMoments { raw: sums.map(|sum| sum / n) }.spread());
+                *spread = spread.plus(spread_of(sums.map(|sum| sum / n)));
                 let size: f64 =
                     row.iter().zip(&total.points).map(|(w, [_, squares])| w.abs() * (squares / n).sqrt()).sum();
                 *error += LATTICE_ERROR * size * size;
@@ -90,7 +92,21 @@ impl Oracle {
     }
 }
 
-fn tally(fields: &[Field], weights: &[Vec<f64>], pairs: &[(usize, usize)], places: std::ops::Range<u64>) -> Tally {
+/// From moments about a place near the mean.
+fn spread_of([m1, m2, m3, m4]: [f64; 4]) -> Spread {
+    let variance = (m2 - m1 * m1).max(0.0);
+    let fourth = (m4 - 4.0 * m3 * m1 + 6.0 * m2 * m1 * m1 - 3.0 * m1 * m1 * m1 * m1).max(variance * variance);
+    Spread { variance, fourth_cumulant: fourth - 3.0 * variance * variance }
+}
+
+/// - `due`: the mean at each point, W/m²
+fn tally(
+    fields: &[Field],
+    due: &[f64],
+    weights: &[Vec<f64>],
+    pairs: &[(usize, usize)],
+    places: std::ops::Range<u64>,
+) -> Tally {
     let mut tally = Tally {
         weighed: vec![[0.0; 4]; weights.len()],
         points: vec![[0.0; 2]; fields.len()],
@@ -101,18 +117,18 @@ fn tally(fields: &[Field], weights: &[Vec<f64>], pairs: &[(usize, usize)], place
         let u = (i as f64 + 0.5) / PLACES as f64;
         let v = ((i * STEP % PLACES) as f64 + 0.5) / PLACES as f64;
         let place = fields[0].place(u, v);
-        for ((value, field), [sum, squares]) in values.iter_mut().zip(fields).zip(&mut tally.points) {
-            *value = 0.0;
+        for (((value, field), due), [sum, squares]) in values.iter_mut().zip(fields).zip(due).zip(&mut tally.points) {
+            *value = -due;
             if field.is_dark() {
                 continue;
             }
             let (direction, landing) = field.of(&place);
             let brought = Contribution::by_area(&landing).value;
             if brought > 0.0 && field.margin(direction) > 0.0 {
-                *value = brought;
-                *sum += brought;
-                *squares += brought * brought;
+                *value += brought;
             }
+            *sum += *value;
+            *squares += *value * *value;
         }
         for (sums, row) in tally.weighed.iter_mut().zip(weights) {
             let y: f64 = row.iter().zip(&values).map(|(w, x)| w * x).sum();

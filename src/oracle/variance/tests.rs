@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::{Contribution, RELATIVE_ERROR, SampleMoments};
+use super::{Contribution, RELATIVE_ERROR};
 use crate::configuration::{Arrangement, Configuration, MeasurementPoint, Source};
 use crate::geometry::{Disk, Polygon, Rectangle, Shape, Sphere};
 use crate::oracle::Oracle;
@@ -58,7 +58,7 @@ fn rooms() -> Vec<(Configuration, MeasurementPoint)> {
 fn moments_are_integrals_of_the_source_times_its_kernel() {
     for (room, point) in rooms() {
         let oracle = Oracle::new(&room);
-        let SampleMoments { raw } = oracle.sample_moments(0, &point, Contribution::by_area).unwrap();
+        let moments = oracle.sample_moments(0, &point, Contribution::by_area).unwrap();
         let first = oracle.at(&point).irradiance.watts_per_square_metre();
         let shape = room.sources()[0].shape();
         let (area, exitance) = (shape.area(), 1.5);
@@ -77,12 +77,12 @@ fn moments_are_integrals_of_the_source_times_its_kernel() {
             area * exitance * exitance * kernel
         });
         let second = textured.irradiance.watts_per_square_metre();
-        let scale = area * exitance;
-        assert!((raw[0] - first).abs() <= 0.5 * RELATIVE_ERROR * first, "{shape:?} at {point:?}: {} {first}", raw[0]);
+        let found = moments.first_moment();
+        assert!((found - first).abs() <= 0.5 * RELATIVE_ERROR * first, "{shape:?} at {point:?}: {found} {first}");
+        let (variance, due) = (moments.spread().variance, second - first * first);
         assert!(
-            (raw[1] - second).abs() <= RELATIVE_ERROR * second,
-            "{shape:?} at {point:?}: {} {second} {scale}",
-            raw[1]
+            (variance - due).abs() <= RELATIVE_ERROR * due + 1e-9 * second,
+            "{shape:?} at {point:?}: {variance} {due}"
         );
     }
 }
@@ -172,5 +172,27 @@ fn shared_samples_agree_with_single_points() {
         }
         let together: f64 = shared.covariances.iter().sum();
         assert!((together / shared.sums[5].variance - 1.0).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn directions_that_hardly_differ_spread_as_a_cap_does() {
+    // A ball straight above: cosθ is uniform over [c, 1], c² = 1 − R²/d², so X = M Ω cosθ/π has variance (M Ω (1 − c)/π)²/12.
+    for radius in [0.9, 0.1, 0.01] {
+        let ball = Shape::Sphere(Sphere::new(at(0.0, 0.0, 2.0), radius).unwrap());
+        let source = Source::new(ball, Exitance::new(1.5)).unwrap();
+        let point = MeasurementPoint::new(DVec3::ZERO, DVec3::Z).unwrap();
+        let room = Configuration::new(vec![source], vec![], None, vec![point], Arrangement::Scattered).unwrap();
+        let drop = {
+            let s2 = radius * radius / 4.0;
+            s2 / (1.0 + (1.0 - s2).sqrt())
+        };
+        let solid_angle = 2.0 * PI * drop;
+        let moments = Oracle::new(&room)
+            .sample_moments(0, &point, |place| Contribution::by_solid_angle(place, solid_angle))
+            .unwrap();
+        let due = (1.5 * solid_angle * drop / PI).powi(2) / 12.0;
+        let found = moments.spread().variance;
+        assert!((found / due - 1.0).abs() < RELATIVE_ERROR, "radius {radius}: {found} {due}");
     }
 }

@@ -7,7 +7,7 @@ use super::style::{Dash, GREY, INK, SMALL, look, shown};
 use crate::trial::CaseOutcome;
 
 /// Half a 95 % interval in standard errors, for showing; verdicts use none.
-pub const NORMAL_95: f64 = 1.96;
+pub use crate::statistics::interval::Z_95 as NORMAL_95;
 
 /// `None` where nothing arrives and nothing is due.
 pub fn bias(case: &CaseOutcome) -> Option<Page> {
