@@ -217,6 +217,11 @@ impl View {
         self.solid_angle
     }
 
+    /// Whether some of these directions pass by the shape: those in the corners of the rectangle around a disk.
+    pub fn misses(&self) -> bool {
+        matches!(self.part, Part::Flat { ellipse: Some(_), .. })
+    }
+
     /// Directions of the first `len` points of a block (rounded up to whole lanes), and how far each is from the shape.
     ///
     /// - `distances`: metres; zero for a direction that misses

@@ -163,7 +163,9 @@ fn of_technique(
             if solid_angle <= 0.0 {
                 return Some(Spread::default());
             }
-            Some(oracle.sample_moments(i, point, |at| Contribution::by_solid_angle(at, solid_angle))?.spread())
+            let mut moments = oracle.sample_moments(i, point, |at| Contribution::by_solid_angle(at, solid_angle))?;
+            moments.has_shadow |= view.misses();
+            Some(moments.spread())
         }),
         Technique::Cosine => Some(oracle.cosine_moments(point)?.spread()),
         Technique::Mis(heuristic) => {

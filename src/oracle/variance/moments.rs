@@ -14,7 +14,7 @@ pub struct SampleMoments {
     pub mean: f64,
     /// ∫ (X − mean)ᵠ over it for q = 2, 3, 4, (W/m²)ᵠ, times the weight.
     pub central: [f64; 3],
-    /// Whether something beside it is blocked, and brings nothing.
+    /// Whether what the weight lacks of one is blocked or misses, and brings nothing; else it is the rule's error.
     pub has_shadow: bool,
 }
 
