@@ -11,26 +11,31 @@
 //! them. All of the above stays true of the strata and of the lines of height 1/N; the lines of a column are shared among
 //! the rows of equal count: rows of C strata have C·R_C columns with one point each, the others (C+1)·R_{C+1} of theirs.
 
-use super::permutation::Permutations;
+use super::permutation::{Family, Permutation};
 use super::strata::Rows;
 use super::{BLOCK, Lanes, Squares};
 
 #[derive(Clone, Debug)]
 pub(super) struct MultiJittered {
     layout: Rows,
-    order: Permutations,
-    across: Permutations,
-    up: Permutations,
+    order: Permutation,
+    across: Family,
+    up: Family,
     next: u64,
 }
 
 impl MultiJittered {
     pub fn new(n: u64, lanes: &mut Lanes) -> MultiJittered {
+        let layout = layout(n);
+        let (few, longer_rows) = (n / layout.rows, n % layout.rows);
+        let [short_columns, long_columns] = [(few, layout.rows - longer_rows), (few + 1, longer_rows)]
+            .map(|(columns, rows)| std::iter::repeat_n(rows, columns as usize));
+        let cells = (0..layout.rows).map(|row| layout.start_of(row + 1) - layout.start_of(row));
         MultiJittered {
-            layout: layout(n),
-            order: Permutations::draw(lanes),
-            across: Permutations::draw(lanes),
-            up: Permutations::draw(lanes),
+            layout,
+            order: Permutation::draw(n, lanes),
+            across: Family::draw(n, short_columns.chain(long_columns), lanes),
+            up: Family::draw(n, cells, lanes),
             next: 0,
         }
     }
@@ -41,27 +46,27 @@ impl MultiJittered {
         let Rows { n, rows } = self.layout;
         let (few, longer_rows) = (n / rows, n % rows);
         let mut stratum: [u64; BLOCK] = std::array::from_fn(|k| self.next + k as u64);
-        self.order.permute(&mut stratum[..len], n);
+        self.order.permute(&mut stratum[..len]);
         self.next += len as u64;
 
         // Place of each point's stratum in its row, and of the row among those of equal count.
-        let [mut start, mut place, mut row, mut cells, mut rank, mut alike, mut column] = [[0; BLOCK]; 7];
+        let [mut start, mut place, mut cells, mut rank, mut alike, mut before] = [[0; BLOCK]; 6];
         for k in 0..len {
-            row[k] = self.layout.row_of(stratum[k]);
-            start[k] = self.layout.start_of(row[k]);
+            let row = self.layout.row_of(stratum[k]);
+            start[k] = self.layout.start_of(row);
             place[k] = stratum[k] - start[k];
-            cells[k] = self.layout.start_of(row[k] + 1) - start[k];
-            let longer_before = start[k] - row[k] * few;
+            cells[k] = self.layout.start_of(row + 1) - start[k];
+            let longer_before = start[k] - row * few;
             let is_longer = cells[k] > few;
-            rank[k] = if is_longer { longer_before } else { row[k] - longer_before };
+            rank[k] = if is_longer { longer_before } else { row - longer_before };
             alike[k] = if is_longer { longer_rows } else { rows - longer_rows };
-            column[k] = 2 * place[k] + u64::from(is_longer);
+            before[k] = place[k] * alike[k] + if is_longer { few * (rows - longer_rows) } else { 0 };
         }
-        self.across.permute_each(&mut rank[..len], &alike[..len], &column[..len]);
+        self.across.permute_each(&mut rank[..len], &alike[..len], &before[..len]);
         for (k, u) in squares.u.as_flattened_mut()[..len].iter_mut().enumerate() {
             *u = ((place[k] * alike[k] + rank[k]) as f64 + *u) / (cells[k] * alike[k]) as f64;
         }
-        self.up.permute_each(&mut place[..len], &cells[..len], &row[..len]);
+        self.up.permute_each(&mut place[..len], &cells[..len], &start[..len]);
         for (k, v) in squares.v.as_flattened_mut()[..len].iter_mut().enumerate() {
             *v = ((start[k] + place[k]) as f64 + *v) / n as f64;
         }

@@ -1,6 +1,8 @@
-//! Random permutations of any length that are computed point by point: nothing is stored, whatever the length.
+//! Random permutations of any length, in memory that does not grow with it.
 //!
-//! The swap-or-not shuffle (Hoang, Morris & Rogaway, *An Enciphering Scheme Based on a Card Shuffle*, CRYPTO 2012). Of
+//! **Short ones are tables**, shuffled (Fisher & Yates): exactly uniform, and quick.
+//!
+//! **Long ones are computed point by point**, nothing stored: the swap-or-not shuffle (Hoang, Morris & Rogaway, *An Enciphering Scheme Based on a Card Shuffle*, CRYPTO 2012). Of
 //! each round, a number K uniform below the length pairs x with K − x (modulo the length), and one coin for each pair says
 //! whether its two change places. Each x leaves a round where it was with probability 1/2 + 1/(2L), and anywhere with
 //! equal probability otherwise, so that after r rounds any one place is uniform to 2⁻ʳ in total variation. Whole permutations of up
@@ -16,6 +18,66 @@ const ROUNDS: u64 = 24;
 /// 2⁶⁴ / φ, odd.
 const STEP: u64 = 0x9e37_79b9_7f4a_7c15;
 
+/// Longest table, entries.
+const LONGEST_TABLE: u64 = 1 << 14;
+
+/// One permutation.
+#[derive(Clone, Debug)]
+pub(super) struct Permutation {
+    length: u64,
+    /// Empty where it is computed.
+    table: Vec<u32>,
+    source: Permutations,
+}
+
+impl Permutation {
+    pub fn draw(length: u64, lanes: &mut Lanes) -> Permutation {
+        let source = Permutations::draw(lanes);
+        let table = if length <= LONGEST_TABLE { source.tables([length]) } else { Vec::new() };
+        Permutation { length, table, source }
+    }
+
+    /// Replaces each index, below the length, by its place.
+    #[inline(always)]
+    pub fn permute(&self, index: &mut [u64]) {
+        if self.table.is_empty() {
+            self.source.permute(index, self.length);
+        } else {
+            index.iter_mut().for_each(|x| *x = u64::from(self.table[*x as usize]));
+        }
+    }
+}
+
+/// Many permutations, told apart by a number.
+#[derive(Clone, Debug)]
+pub(super) struct Family {
+    /// One permutation after another; empty where they are computed.
+    table: Vec<u32>,
+    source: Permutations,
+}
+
+impl Family {
+    /// - `lengths`: of the permutations; their sum is `total`
+    pub fn draw(total: u64, lengths: impl IntoIterator<Item = u64>, lanes: &mut Lanes) -> Family {
+        let source = Permutations::draw(lanes);
+        let table = if total <= LONGEST_TABLE { source.tables(lengths) } else { Vec::new() };
+        Family { table, source }
+    }
+
+    /// Replaces each index by its place in a permutation of its own; lengths and indices below 2³².
+    ///
+    /// - `length`: of that permutation
+    /// - `before`: the lengths of all permutations before it, added up
+    #[inline(always)]
+    pub fn permute_each(&self, index: &mut [u64], length: &[u64], before: &[u64]) {
+        if self.table.is_empty() {
+            self.source.permute_each(index, length, before);
+        } else {
+            index.iter_mut().zip(before).for_each(|(x, before)| *x = u64::from(self.table[(before + *x) as usize]));
+        }
+    }
+}
+
 /// A source of permutations: as many as one likes, told apart by a number.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Permutations {
@@ -28,9 +90,25 @@ impl Permutations {
         Permutations { first: lanes.next_words()[0], second: lanes.next_words()[0] }
     }
 
+    /// Permutations of these lengths, one after another.
+    fn tables(self, lengths: impl IntoIterator<Item = u64>) -> Vec<u32> {
+        let mut tables = Vec::new();
+        for length in lengths {
+            let start = tables.len();
+            for k in 0..length {
+                let (word, _) = self.round(tables.len() as u64);
+                let place = ((u128::from(word) * u128::from(k + 1)) >> 64) as usize;
+                tables.push(k as u32);
+                // Inside out: what was there moves to the end, and the new one takes its place.
+                tables.swap(start + place, start + k as usize);
+            }
+        }
+        tables
+    }
+
     /// Replaces each index, below `length`, by its place in one permutation.
     #[inline(always)]
-    pub fn permute(self, index: &mut [u64], length: u64) {
+    fn permute(self, index: &mut [u64], length: u64) {
         for round in 0..ROUNDS {
             let (turn, coins) = self.round(round);
             // The high half of a product: uniform to length · 2⁻⁶⁴.
@@ -46,7 +124,7 @@ impl Permutations {
     ///
     /// - `length`: one for each index, below 2³²; the same for all indices of one `which`
     #[inline(always)]
-    pub fn permute_each(self, index: &mut [u64], length: &[u64], which: &[u64]) {
+    fn permute_each(self, index: &mut [u64], length: &[u64], which: &[u64]) {
         for round in 0..ROUNDS {
             let (turn, coins) = self.round(round);
             let turn = turn >> 32;
@@ -76,6 +154,25 @@ fn swap_or_not(x: u64, turn: u64, length: u64, coins: u64) -> u64 {
 mod tests {
     use super::super::StreamKey;
     use super::*;
+    use crate::statistics::budget::plausible;
+
+    #[test]
+    fn tables_hold_each_place_once_and_each_order_equally_often() {
+        let mut counts = std::collections::HashMap::new();
+        let runs = 24_000_u64;
+        for seed in 0..runs {
+            let tables = drawn(seed).tables([3, 4]);
+            let mut sorted = tables.clone();
+            sorted[..3].sort_unstable();
+            sorted[3..].sort_unstable();
+            assert_eq!(sorted, [0, 1, 2, 0, 1, 2, 3]);
+            *counts.entry(tables[3..].to_vec()).or_insert(0_u64) += 1;
+        }
+        assert_eq!(counts.len(), 24);
+        for (order, count) in counts {
+            assert!(plausible(count, runs, 1.0 / 24.0, 1.0 / 24.0), "{order:?}: {count} of {runs}");
+        }
+    }
 
     fn drawn(seed: u64) -> Permutations {
         Permutations::draw(&mut Lanes::new(StreamKey::root(seed), 1))
