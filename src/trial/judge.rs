@@ -70,7 +70,7 @@ pub(super) fn bias(
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .expect("a case has points and a study has sample counts");
     let shown = if verdict == Verdict::Fail { (subject, at) } else { (Subject::Contrast(0), None) };
-    let effect = effect(prepared, shown.0, shown.1, cells);
+    let effect = effect(prepared, shown.0, shown.1, cells, plans);
     let words = match verdict {
         Verdict::Fail => fail_words(prepared, strategy, shown, cells, effect),
         Verdict::Pass => pass_words(mean, point),
@@ -112,9 +112,16 @@ fn capital(prepared: &Prepared, study: &Study, subject: Subject, cell: &CellSums
     Capital::of(&statement, &Observed::values(sums(cell, subject)), plan.replicates)
 }
 
-/// Relative deviation and its standard error, of one cell or of all weighed by their precision. A contrast is taken
-/// relative to the mean; where the exact value is zero, relative to the unoccluded irradiance.
-fn effect(prepared: &Prepared, subject: Subject, at: Option<usize>, cells: &[CellSums]) -> (f64, f64) {
+/// Relative deviation and its standard error, of one cell or of all weighed by their planned precision (weights that were
+/// measured with the values would lean towards those that happen to look sure). A contrast is taken relative to the mean;
+/// where the exact value is zero, relative to the unoccluded irradiance.
+fn effect(
+    prepared: &Prepared,
+    subject: Subject,
+    at: Option<usize>,
+    cells: &[CellSums],
+    plans: &[CellPlan],
+) -> (f64, f64) {
     let unoccluded = |p: usize| prepared.truths[p].unoccluded_irradiance.watts_per_square_metre();
     let scale = match subject {
         Subject::Point(p) if prepared.exact[p] > 0.0 => prepared.exact[p],
@@ -122,15 +129,21 @@ fn effect(prepared: &Prepared, subject: Subject, at: Option<usize>, cells: &[Cel
         Subject::Contrast(_) if prepared.contrasts.exact[0] > 0.0 => prepared.contrasts.exact[0],
         Subject::Contrast(_) => (0..prepared.exact.len()).map(unoccluded).sum::<f64>() / prepared.exact.len() as f64,
     };
-    let chosen = cells.iter().enumerate().filter(|(index, _)| at.is_none_or(|at| at == *index));
-    let (mut weight, mut weighed) = (0.0, 0.0);
+    let chosen = cells.iter().zip(plans).enumerate().filter(|(index, _)| at.is_none_or(|at| at == *index));
+    let (mut weight, mut weighed, mut squares) = (0.0, 0.0, 0.0);
     let mut constant = None;
-    for (_, cell) in chosen {
+    for (_, (cell, plan)) in chosen {
         let sums = sums(cell, subject);
         let (deviation, error) = (sums.mean_deviation().unwrap_or(0.0), sums.std_error().unwrap_or(0.0));
-        if error > 0.0 {
-            weight += 1.0 / (error * error);
-            weighed += deviation / (error * error);
+        let planned = match subject {
+            Subject::Point(p) => plan.point_variances[p],
+            Subject::Contrast(k) => plan.contrast_variances[k],
+        };
+        if planned > 0.0 {
+            let precision = plan.replicates as f64 / planned;
+            weight += precision;
+            weighed += deviation * precision;
+            squares += (error * precision).powi(2);
         } else {
             constant = Some(deviation);
         }
@@ -138,7 +151,7 @@ fn effect(prepared: &Prepared, subject: Subject, at: Option<usize>, cells: &[Cel
     let (deviation, error) = match constant {
         // A mean without spread outweighs all others.
         Some(deviation) => (deviation, 0.0),
-        None if weight > 0.0 => (weighed / weight, weight.sqrt().recip()),
+        None if weight > 0.0 => (weighed / weight, squares.sqrt() / weight),
         None => (0.0, 0.0),
     };
     if scale > 0.0 { (deviation / scale, error / scale) } else { (deviation, error) }

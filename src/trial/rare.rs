@@ -1,6 +1,7 @@
 //! Whether estimates vary by events that are too rare to say by how much.
 
 use super::predict::Tolerated;
+use crate::oracle::variance::Spread;
 use crate::statistics::PowerSums;
 
 /// Events of the rarer kind (rays that arrive, or that are blocked) below which no interval is printed.
@@ -13,17 +14,39 @@ const FEWEST_EVENTS: f64 = 30.0;
 /// - `sums`: of all replicates
 /// - `replicates`: those that an interval is to be drawn from
 pub(super) fn is_rare(sums: &PowerSums, predicted: Option<Tolerated>, replicates: u64) -> bool {
-    let excess = match predicted.map(|predicted| predicted.spread) {
-        Some(spread) if spread.variance > 0.0 => spread.fourth_cumulant / (spread.variance * spread.variance),
-        _ => sums.kurtosis().map_or(0.0, |kurtosis| kurtosis - 3.0),
-    };
-    excess * FEWEST_EVENTS > replicates as f64
+    is_rare_together(std::iter::once((sums, predicted)), false, replicates)
+}
+
+/// The same of the mean over several points: of the sum of their squared deviations.
+///
+/// - `points`: of each its sums, of all replicates, and its prediction
+/// - `shared`: whether one event may hit all of them at once
+pub(super) fn is_rare_together<'a>(
+    points: impl Iterator<Item = (&'a PowerSums, Option<Tolerated>)>,
+    shared: bool,
+    replicates: u64,
+) -> bool {
+    let (mut variance, mut cumulants, mut roots) = (0.0, 0.0, 0.0);
+    for (sums, predicted) in points {
+        let spread = match predicted.map(|predicted| predicted.spread) {
+            Some(spread) if spread.variance > 0.0 => spread,
+            _ => {
+                let variance = sums.variance().unwrap_or(0.0);
+                let excess = sums.kurtosis().map_or(0.0, |kurtosis| kurtosis - 3.0);
+                Spread { variance, fourth_cumulant: excess * variance * variance }
+            }
+        };
+        variance += spread.variance;
+        cumulants += spread.fourth_cumulant;
+        roots += spread.fourth_cumulant.max(0.0).sqrt();
+    }
+    let cumulant = if shared { roots * roots } else { cumulants };
+    cumulant * FEWEST_EVENTS > variance * variance * replicates as f64
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::oracle::variance::Spread;
 
     /// R replicates of one sample that arrives with probability p.
     fn hits(p: f64, replicates: u32) -> bool {

@@ -3,6 +3,7 @@
 use super::measure::{BATCHES, CellSums, Prepared};
 use super::outcome::{Rate, RatePoint};
 use super::plan::CellPlan;
+use super::rare::is_rare_together;
 use crate::oracle::Region;
 use crate::sampling::{PointSet, Seams, Strategy, Surface};
 use crate::statistics::Verdict;
@@ -28,7 +29,7 @@ pub(super) fn rates(prepared: &Prepared, strategy: Strategy, cells: &[CellSums],
     rates
 }
 
-/// `None` where fewer than two sample counts have a variance.
+/// `None` where fewer than two sample counts have a variance, and events enough to tell how sure it is.
 fn rate(
     prepared: &Prepared,
     strategy: Strategy,
@@ -44,7 +45,9 @@ fn rate(
         let mean_over_points =
             |value: &dyn Fn(usize) -> f64| points.iter().map(|p| value(*p)).sum::<f64>() / points.len() as f64;
         let value = mean_over_points(&|p| cell.points[p].variance().unwrap_or(0.0));
-        if value <= 0.0 || cell.batches.len() < 2 {
+        let spreads = points.iter().map(|p| (&cell.points[*p], plan.prediction.points[*p]));
+        let is_rare = is_rare_together(spreads, strategy.shares_points(), cell.replicates);
+        if value <= 0.0 || cell.batches.len() < 2 || is_rare {
             continue;
         }
         // Points of one replicate may err together; batches of replicates do not.
