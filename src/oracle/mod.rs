@@ -25,6 +25,7 @@ mod form;
 mod front;
 mod great_arc;
 pub mod limits;
+pub mod optics;
 mod outline;
 pub mod patch;
 mod penumbra;

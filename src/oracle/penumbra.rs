@@ -178,7 +178,9 @@ impl Outline {
             };
             let turns = ((arc.length - (to - from).primal()) / std::f64::consts::TAU).round();
             to = to + T::turn() * turns;
-            sums[usize::from(arc.curve.piece > 0)] += own.contour(n, from, to);
+            let term = own.contour(n, from, to);
+            let is_complement = pieces[arc.curve.piece].as_ref().is_some_and(|piece| piece.is_complement);
+            sums[usize::from(arc.curve.piece > 0)] += if is_complement { term.backward() } else { term };
         }
         Some(sums)
     }
@@ -254,6 +256,8 @@ pub(super) fn visible(n: DVec3, source: &Piece, occluders: &[Piece]) -> Visible 
                 // The same line run on.
                 Some(_) if meets_at_corner && splits.len() == known => {}
                 Some(alike) => {
+                    // Of a complement the other side is bounded.
+                    let alike = alike == (pieces[a.at.piece].is_complement == pieces[b.at.piece].is_complement);
                     together.extend([Together { curve: i, other: j, alike }, Together { curve: j, other: i, alike }])
                 }
                 None if meets_at_corner => splits.truncate(known),
@@ -331,7 +335,11 @@ impl Contour<'_> {
         }
         let Boundary { at, curve } = self.boundaries[i];
         let mut arc = Arc { contour: self, curve: i, from, to, nearest: f64::INFINITY, along: false, first: None };
-        let term = || curve.contour(self.n, from, to);
+        let is_complement = self.pieces[at.piece].is_complement;
+        let term = || {
+            let forward = curve.contour(self.n, from, to);
+            if is_complement { forward.backward() } else { forward }
+        };
         if at.piece == 0 {
             let hidden = (1..self.pieces.len()).any(|j| matches!(arc.side(j), Side::Inside | Side::Along));
             let doubtful = arc.nearest < DOUBTFUL;

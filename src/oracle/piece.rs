@@ -10,7 +10,7 @@ use super::rim::{Rim, RimCut, Term};
 use super::silhouette::{self, Coverage};
 use crate::number::{Number, Vector};
 
-/// A part of the boundary of a set of directions; the set lies to its left (`r × dr`).
+/// A part of the boundary of a set of directions; the set lies to its left (`r × dr`), unless its complement is meant.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Curve<T = f64> {
     Straight(GreatArc<T>),
@@ -60,6 +60,8 @@ pub(super) struct Piece<T = f64> {
     pub curves: Vec<Curve<T>>,
     /// Whether a half-space took something away.
     pub is_cut: bool,
+    /// Whether all directions but these are meant: then the set lies to the right of the curves.
+    pub is_complement: bool,
     inside: Inside<T>,
 }
 
@@ -91,7 +93,7 @@ impl Piece {
     /// boundary.
     pub fn margin(&self, d: DVec3) -> f64 {
         let on = |plane: &Vector<f64>| plane.dot(Vector::constant(d));
-        match &self.inside {
+        let within = match &self.inside {
             Inside::Round { rim, cut: None } => rim.margin(d),
             Inside::Round { rim, cut: Some(plane) } => rim.margin(d).min(on(plane)),
             Inside::Cap(cap) => cap.silhouette.margin(d).min(on(&cap.cut)).max(cap.section.margin(d)),
@@ -102,7 +104,8 @@ impl Piece {
                 let depth = on(axis);
                 if depth > 0.0 && is_inside(edges, [on(u) / depth, on(v) / depth]) { nearest } else { -nearest }
             }
-        }
+        };
+        if self.is_complement { -within } else { within }
     }
 
     /// Of a mesh, whose curves may cross one another, and may lie where it covers both sides.
@@ -122,6 +125,11 @@ impl Piece {
 }
 
 impl<T: Number> Piece<T> {
+    /// All directions but these.
+    pub fn complement(self) -> Piece<T> {
+        Piece { is_complement: !self.is_complement, ..self }
+    }
+
     /// What can be seen of a blocking body before a plane that does not pass through the eye. `None` where nothing is
     /// left, or it is seen edge-on, or the eye is inside the ball.
     pub fn of_occluder(form: &Form<T>, keep: Option<HalfSpace<T>>) -> Option<Piece<T>> {
@@ -133,7 +141,7 @@ impl<T: Number> Piece<T> {
             (Form::Mesh(form), _) => {
                 let (arcs, coverage, is_cut) = silhouette::outline(form, keep)?;
                 let curves = arcs.into_iter().map(Curve::Straight).collect();
-                Some(Piece { curves, is_cut, inside: Inside::Covered(Box::new(coverage)) })
+                Some(Piece { curves, is_cut, is_complement: false, inside: Inside::Covered(Box::new(coverage)) })
             }
         }
     }
@@ -162,6 +170,7 @@ fn full<T: Number>(rim: Rim<T>) -> Piece<T> {
     Piece {
         curves: vec![Curve::Round { rim, from: T::zero(), to: T::turn() }],
         is_cut: false,
+        is_complement: false,
         inside: Inside::Round { rim, cut: None },
     }
 }
@@ -181,7 +190,7 @@ fn round<T: Number>(rim: Rim<T>, keep: Option<HalfSpace<T>>) -> Option<Piece<T>>
             let plane = cut_normal(keep, rim.axis, rim.height);
             let mut curves = vec![Curve::Round { rim, from, to }];
             curves.extend(GreatArc::on_circle(rim.point(to), rim.point(from), plane).map(Curve::Straight));
-            Some(Piece { curves, is_cut: true, inside: Inside::Round { rim, cut: Some(plane) } })
+            Some(Piece { curves, is_cut: true, is_complement: false, inside: Inside::Round { rim, cut: Some(plane) } })
         }
     }
 }
@@ -213,6 +222,7 @@ fn ball<T: Number>(center: Vector<T>, radius: T, keep: HalfSpace<T>) -> Option<P
     Some(Piece {
         curves: vec![Curve::Round { rim: silhouette, from, to }, Curve::Round { rim: section, from: begin, to: end }],
         is_cut: true,
+        is_complement: false,
         inside: Inside::Cap(Box::new(Cap { silhouette, cut: plane, section })),
     })
 }
@@ -289,5 +299,5 @@ fn flat<T: Number>(form: &FlatForm<T>, keep: Option<HalfSpace<T>>) -> Option<Pie
         None => Inside::Convex,
         Some((u, v)) => Inside::EvenOdd { axis, u, v, edges: outline },
     };
-    (!curves.is_empty()).then_some(Piece { curves, inside, is_cut: heights.is_some() })
+    (!curves.is_empty()).then_some(Piece { curves, inside, is_complement: false, is_cut: heights.is_some() })
 }

@@ -39,6 +39,13 @@ impl<T: Number> Default for Term<T> {
     }
 }
 
+impl<T: Number> Term<T> {
+    /// The same way gone the other way round.
+    pub fn backward(self) -> Term<T> {
+        Term { value: -self.value, ..self }
+    }
+}
+
 impl<T: Number> std::ops::AddAssign for Term<T> {
     fn add_assign(&mut self, other: Term<T>) {
         self.value = self.value + other.value;

@@ -21,7 +21,7 @@ pub struct Row {
     is_cut: bool,
 }
 
-fn shape(text: &str) -> Shape {
+pub fn shape(text: &str) -> Shape {
     let mut words = text.split_whitespace();
     let kind = words.next().expect("a kind");
     let numbers: Vec<f64> = words.map(|w| w.parse().expect("a number")).collect();

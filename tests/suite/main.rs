@@ -15,6 +15,7 @@ mod gauss;
 mod icosphere;
 mod laws;
 mod meshes;
+mod optics;
 mod papers;
 mod published;
 mod radiometry;

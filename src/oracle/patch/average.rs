@@ -16,7 +16,6 @@ use super::adaptive::{self, Integral, Node, Spec};
 use super::surface::{Layout, Patch};
 use crate::configuration::{Arrangement, Configuration, MeasurementPoint, Source};
 use crate::geometry::Shape;
-use crate::oracle::Truth;
 use crate::oracle::exact::{self, Oracle};
 use crate::radiometry::{Exitance, FormFactor, Irradiance};
 
@@ -79,8 +78,38 @@ const PASSES: u32 = 3;
 /// - error: `bound`, an estimate (see the module's limit)
 /// - source: nested Gauss–Kronrod–Patterson quadrature of [`Oracle::at`]; second witness: the closed forms of this module
 pub fn average_irradiance(oracle: &Oracle, patch: &Patch, tolerance: Tolerance) -> Average {
+    let field = |point: &MeasurementPoint| {
+        let seen = oracle.seen(point);
+        let truth = oracle.together(&seen);
+        Value {
+            irradiance: truth.irradiance.watts_per_square_metre(),
+            bound: truth.bound.watts_per_square_metre(),
+            unoccluded: truth.unoccluded_irradiance.watts_per_square_metre(),
+            kind: exact::topology(&seen),
+        }
+    };
+    average_of(&field, patch, tolerance)
+}
+
+/// A field at one point, W/m².
+#[derive(Clone, Copy, Debug)]
+pub(in crate::oracle) struct Value {
+    pub irradiance: f64,
+    pub bound: f64,
+    /// A first look's stand-in where little is seen.
+    pub unoccluded: f64,
+    /// Equal where the field is smooth in between.
+    pub kind: u64,
+}
+
+/// The same of any field that is analytic between places where its kind changes.
+pub(in crate::oracle) fn average_of(
+    field: &dyn Fn(&MeasurementPoint) -> Value,
+    patch: &Patch,
+    tolerance: Tolerance,
+) -> Average {
     let work = Work {
-        oracle,
+        field,
         normal: patch.normal(),
         layout: patch.layout(),
         evaluations: Cell::new(0),
@@ -161,7 +190,7 @@ pub fn patch_to_patch(
 }
 
 struct Work<'a> {
-    oracle: &'a Oracle,
+    field: &'a dyn Fn(&MeasurementPoint) -> Value,
     normal: DVec3,
     layout: Layout,
     evaluations: Cell<u64>,
@@ -176,11 +205,10 @@ impl Work<'_> {
 
     /// The irradiance at a place with its kind, the shadow's topology. Nothing is seen from where there is no place:
     /// coordinates beyond the range of f64.
-    fn truth(&self, s: f64, t: f64) -> Option<(Truth, u64)> {
+    fn value(&self, s: f64, t: f64) -> Option<Value> {
         self.evaluations.set(self.evaluations.get() + 1);
         let point = MeasurementPoint::new(self.layout.point(s, t), self.normal).ok()?;
-        let seen = self.oracle.seen(&point);
-        Some((self.oracle.together(&seen), exact::topology(&seen)))
+        Some((self.field)(&point))
     }
 
     /// A first look at the integrals of irradiance, with and without occluders: 4 × 4 points a band.
@@ -193,9 +221,9 @@ impl Work<'_> {
                 for [low, high] in spans {
                     for share in PLACES {
                         let weight = stretch * (band.to - band.from) * (high - low) / 16.0;
-                        if let Some((truth, _)) = self.truth(s, low + (high - low) * share) {
-                            seen += weight * truth.irradiance.watts_per_square_metre();
-                            unoccluded += weight * truth.unoccluded_irradiance.watts_per_square_metre();
+                        if let Some(value) = self.value(s, low + (high - low) * share) {
+                            seen += weight * value.irradiance;
+                            unoccluded += weight * value.unoccluded;
                         }
                     }
                 }
@@ -263,12 +291,8 @@ impl Work<'_> {
     }
 
     fn node(&self, s: f64, t: f64) -> Node<u64> {
-        match self.truth(s, t) {
-            Some((truth, kind)) => Node {
-                value: truth.irradiance.watts_per_square_metre(),
-                error: truth.bound.watts_per_square_metre(),
-                kind,
-            },
+        match self.value(s, t) {
+            Some(found) => Node { value: found.irradiance, error: found.bound, kind: found.kind },
             None => Node { value: 0.0, error: f64::INFINITY, kind: u64::MAX },
         }
     }

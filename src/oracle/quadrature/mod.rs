@@ -19,7 +19,7 @@
 mod blocker;
 mod breaks;
 mod curves;
-mod rule;
+pub(super) mod rule;
 mod strip;
 mod view;
 mod witness;

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 /// Several integrals over one interval, taken at the same places.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Integral<const N: usize> {
+pub(in crate::oracle) struct Integral<const N: usize> {
     pub value: [f64; N],
     /// The greater of two: the difference between the 21-point rule and its 10-point part; and the integrand's divided
     /// differences over 18 nodes, which no polynomial below degree 17 feels and which, other than the former, are never
@@ -22,7 +22,7 @@ struct Panel<const N: usize> {
 
 /// What the integrand is at the ends of an interval between breaks.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Ends {
+pub(in crate::oracle) enum Ends {
     /// Analytic.
     Smooth,
     /// Analytic in the square root of the distance from either end.
@@ -38,7 +38,7 @@ enum Form {
 }
 
 /// What a panel's error may be.
-pub(super) struct Demand<const N: usize> {
+pub(in crate::oracle) struct Demand<const N: usize> {
     /// The errors' sums that will do.
     pub goal: [f64; N],
     /// Panels that are not split however large their error is: noise that no panel is small enough for.
@@ -53,7 +53,7 @@ pub(super) struct Demand<const N: usize> {
 /// - `narrowest`: panels are not halved below this width
 /// - `budget`: panels after which those that remain are taken as they are, with their error estimates
 /// - `demand`: from the sums so far; asked anew each round
-pub(super) fn integrate<const N: usize>(
+pub(in crate::oracle) fn integrate<const N: usize>(
     breaks: &[f64],
     ends: Ends,
     narrowest: f64,
