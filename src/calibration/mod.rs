@@ -35,7 +35,7 @@ pub struct Options {
 
 impl Options {
     /// Where not one alarm was raised, that a level of 1e-4 is kept can be shown from 29,956 runs on.
-    pub const STANDARD: Options = Options { seed: 1, runs: 36_000, power_runs: 400 };
+    pub const STANDARD: Options = Options { seed: 1, runs: 56_000, power_runs: 400 };
     /// A look.
     pub const QUICK: Options = Options { seed: 1, runs: 2_000, power_runs: 20 };
 }

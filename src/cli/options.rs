@@ -170,11 +170,11 @@ pub struct Exact {
 /// Options of `calibrate`.
 #[derive(Args, Debug)]
 pub struct Calibrate {
-    /// Null runs, at least (default: 36000; 2000 with --quick)
+    /// Null runs, at least (default: 56000; 2000 with --quick)
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=100_000_000))]
     pub runs: Option<u64>,
     /// Folder that the tables are written to
-    #[arg(long, value_name = "DIR", default_value = "reports/calibration")]
+    #[arg(long, value_name = "DIR", default_value = "reports/reference/calibration")]
     pub out: PathBuf,
     /// Base of the seeds of all runs
     #[arg(long, value_name = "SEED", default_value_t = calibration::Options::STANDARD.seed)]

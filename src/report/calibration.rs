@@ -10,10 +10,10 @@ use crate::calibration::{AlarmRow, Calibration, CoverageRow, ENOUGH_RAYS, LEAST_
 
 /// Makes sure, before the work, that the tables can be written.
 pub fn claim_calibration(dir: &Path) -> Result<(), ReportError> {
-    folder::claim_files(dir, &[ALARMS, COVERAGE, POWER])
+    folder::claim_files(dir, &[ALARMS, COVERAGE, POWER, SUMMARY])
 }
 
-/// Writes `false_alarms.csv`, `coverage.csv` and `power.csv` into a folder, which is made if need be. The same
+/// Writes `false_alarms.csv`, `coverage.csv`, `power.csv` and `summary.txt` into a folder, which is made if need be. The same
 /// calibration gives the same bytes.
 pub fn write_calibration(dir: &Path, calibration: &Calibration) -> Result<Vec<PathBuf>, ReportError> {
     std::fs::create_dir_all(dir).map_err(|source| ReportError::Folder { path: dir.to_owned(), source })?;
@@ -21,6 +21,7 @@ pub fn write_calibration(dir: &Path, calibration: &Calibration) -> Result<Vec<Pa
         (ALARMS, filled(alarms(), &calibration.alarms)?),
         (COVERAGE, filled(coverage(), &calibration.coverage)?),
         (POWER, filled(power(), &calibration.power)?),
+        (SUMMARY, calibration_table(calibration).into_bytes()),
     ];
     contents.iter().map(|(name, content)| write_whole(dir, name, content)).collect()
 }
@@ -28,6 +29,7 @@ pub fn write_calibration(dir: &Path, calibration: &Calibration) -> Result<Vec<Pa
 const ALARMS: &str = "false_alarms.csv";
 const COVERAGE: &str = "coverage.csv";
 const POWER: &str = "power.csv";
+const SUMMARY: &str = "summary.txt";
 
 fn filled<'a, R>(table: Table<&'a R>, rows: &'a [R]) -> Result<Vec<u8>, ReportError> {
     let mut content = Vec::new();
@@ -160,14 +162,14 @@ fn power<'a>() -> Table<&'a PowerRow> {
     }
 }
 
-/// The text of `reports/calibration/README.md`: what the tables mean and how they are made.
+/// The text of `reports/reference/calibration/README.md`: what the tables mean and how they are made.
 pub fn calibration_reference() -> String {
     let head = "\
 # The gate, measured
 
-Does a verdict keep what it claims? `etendue calibrate --out reports/calibration` (release build) makes three tables:
-false alarms over runs of correct estimators, coverage of every printed interval, and power. `--runs N` sets the null
-runs, `--seed` the base of all seeds; the same command gives the same bytes on any number of threads.
+Does a verdict keep what it claims? `etendue calibrate --out reports/reference/calibration` (release build, some ten minutes) makes
+three tables: false alarms over runs of correct estimators, coverage of every printed interval, and power; what of them
+fits on a screen is in [`summary.txt`](summary.txt). `--runs N` sets the null runs, `--seed` the base of all seeds; the same command gives the same bytes on any number of threads.
 
 `faults.csv` is the fourth: estimators that are wrong in one known way, and which verdicts found out.
 `CALIBRATION_SEEDS=100 cargo test --release planted_faults` writes it anew; without the variable, `cargo test` checks
@@ -263,7 +265,7 @@ mod tests {
     /// To write it anew: `cargo test --lib write_the_calibration_reference -- --ignored`.
     #[test]
     fn the_committed_calibration_reference_is_the_codes() {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("reports/calibration/README.md");
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("reports/reference/calibration/README.md");
         assert_eq!(
             fs::read_to_string(path).unwrap_or_default(),
             calibration_reference(),
@@ -272,9 +274,9 @@ mod tests {
     }
 
     #[test]
-    #[ignore = "writes reports/calibration/README.md"]
+    #[ignore = "writes reports/reference/calibration/README.md"]
     fn write_the_calibration_reference() {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("reports/calibration");
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("reports/reference/calibration");
         fs::create_dir_all(&folder).unwrap();
         fs::write(folder.join("README.md"), calibration_reference()).unwrap();
     }

@@ -271,7 +271,9 @@ pub(super) fn timings<'a>() -> Table<TimingRow<'a>> {
                 .strategy
                 .map(|s| s.strategy.name())),
             column!("stage", "", "which part of the work", |r| r.timing.stage),
-            column!("rays", "", "shadow rays, or exact evaluations, made", |r| r.timing.rays),
+            column!("rays", "", "shadow rays, exact evaluations or estimates that it went through", |r| r
+                .timing
+                .rays),
             column!("seconds", "s", "processor time, summed over threads", |r| r.timing.seconds),
             column!("per_ray_ns", "ns", "processor time for one of them; empty where none was made", |r| {
                 (r.timing.rays > 0).then(|| r.timing.seconds * 1e9 / r.timing.rays as f64)

@@ -45,6 +45,11 @@ pub fn of_mean(sums: &PowerSums, level: f64) -> Option<Interval> {
 /// - `None` below four values, where all are equal (no data can bound a variance from above then), or for a level
 ///   outside (0, 1)
 pub fn of_variance(sums: &PowerSums, level: f64) -> Option<Interval> {
+    of_variance_with(sums, 1.0, level)
+}
+
+/// The same where the values are known to have some kurtosis at least: heavy tails need not have shown.
+pub fn of_variance_with(sums: &PowerSums, least_kurtosis: f64, level: f64) -> Option<Interval> {
     let (variance, kurtosis) = (sums.variance()?, sums.kurtosis()?);
     let n = sums.count() as f64;
     if n < 4.0 {
@@ -52,7 +57,7 @@ pub fn of_variance(sums: &PowerSums, level: f64) -> Option<Interval> {
     }
     let less_biased = 3.0 + (n - 1.0) / ((n - 2.0) * (n - 3.0)) * ((n + 1.0) * (kurtosis - 3.0) + 6.0);
     let ratio = (less_biased.max(1.0) / n).sqrt();
-    let enlarged = less_biased * (1.0 + ratio + 3.0 * ratio * ratio);
+    let enlarged = (less_biased * (1.0 + ratio + 3.0 * ratio * ratio)).max(least_kurtosis);
     // No distribution has a kurtosis below 1, which leaves 2/(n − 1).
     let excess = (enlarged - (n - 3.0) / (n - 1.0)).max(2.0 / (n - 1.0));
     let freedom = 2.0 * n / excess;

@@ -43,7 +43,7 @@ pub(super) fn correlations(
             let edge = |g: usize| g * rows / GROUPS * n_points;
             (0..GROUPS).map(|g| &cell.kept[edge(g)..edge(g + 1)]).collect()
         };
-        let takes_part: Vec<bool> = (cell.points.iter().zip(&plan.prediction.points).zip(prepared.exact))
+        let takes_part: Vec<bool> = (cell.points.iter().zip(&plan.prediction.alike).zip(prepared.exact))
             .map(|((sums, predicted), exact)| *exact > 0.0 && !is_rare(sums, *predicted, rows as u64))
             .collect();
         let predicted = predicted(prepared, strategy, &separations, &takes_part);

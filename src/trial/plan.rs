@@ -132,9 +132,14 @@ impl CellPlan {
             let shift = before_scaling(study.smallest_bias.mean) * value - margin;
             needed = needed.max(replicates_for(shift, self.contrast_variances[0], m));
         }
-        for (p, value, margin) in well_lit(prepared, study) {
-            let shift = before_scaling(study.smallest_bias.point) * value - margin;
-            needed = needed.max(replicates_for(shift, self.point_variances[p], m));
+        // The replicates grow with variance/shift²: the point where this is largest decides.
+        let points = well_lit(prepared, study)
+            .map(|(p, value, margin)| {
+                (before_scaling(study.smallest_bias.point) * value - margin, self.point_variances[p])
+            })
+            .max_by(|a, b| relative_variance(*a).total_cmp(&relative_variance(*b)));
+        if let Some((shift, variance)) = points {
+            needed = needed.max(replicates_for(shift, variance, m));
         }
         let rays = prepared.estimator.rays_per_estimate(self.samples) * prepared.exact.len() as u64;
         let most = (MOST_RAYS / rays).max(FEWEST_REPLICATES);
@@ -145,15 +150,23 @@ impl CellPlan {
     /// worst of the well-lit points.
     pub fn smallest_biases(&self, prepared: &Prepared, study: &Study) -> SmallestBiases {
         let m = components(prepared, study);
+        // In units of the standard deviation of one estimate.
+        let shift = smallest_shift(1.0, self.replicates, m);
+        let seen = |variance: f64| if variance.is_finite() { shift * variance.sqrt() } else { f64::INFINITY };
         let mean = mean_of(prepared, study)
-            .map(|(value, margin)| (smallest_shift(self.contrast_variances[0], self.replicates, m) + margin) / value)
+            .map(|(value, margin)| (seen(self.contrast_variances[0]) + margin) / value)
             .map(scaled);
         let point = well_lit(prepared, study)
-            .map(|(p, value, margin)| (smallest_shift(self.point_variances[p], self.replicates, m) + margin) / value)
+            .map(|(p, value, margin)| (seen(self.point_variances[p]) + margin) / value)
             .map(scaled)
             .reduce(f64::max);
         SmallestBiases { mean, point }
     }
+}
+
+/// Variance over the square of the shift to be seen; infinite where none can be.
+fn relative_variance((shift, variance): (f64, f64)) -> f64 {
+    if shift > 0.0 { variance / (shift * shift) } else { f64::INFINITY }
 }
 
 /// A bias that scales each estimate by 1 + s scales its spread, too: where a plain shift of s₀ would be caught, this

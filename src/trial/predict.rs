@@ -51,6 +51,8 @@ impl Tolerated {
 pub(super) struct CellPrediction {
     /// [point]; `None` where it is not predicted.
     pub points: Vec<Option<Tolerated>>,
+    /// [point]: the same, or where it is not predicted that of independent points: what is rare there is rare here.
+    pub alike: Vec<Option<Spread>>,
     /// [contrast]; `None` unless all points are predicted.
     pub contrasts: Option<Vec<Tolerated>>,
 }
@@ -134,7 +136,13 @@ impl Predictions {
         } else {
             weights.iter().map(|row| fresh_sum(row, &points)).collect()
         };
-        CellPrediction { points, contrasts }
+        let independent = |p: usize| match strategy.technique() {
+            Technique::Area => Some(self.area[p]?.mean_of(n)),
+            _ => None,
+        };
+        let alike = points.iter().enumerate();
+        let alike = alike.map(|(p, own)| own.map(|own| own.spread).or_else(|| independent(p))).collect();
+        CellPrediction { points, alike, contrasts }
     }
 
     /// Correlation of the errors at the pairs that were asked for; `None` where it is not predicted.

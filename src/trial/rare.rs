@@ -1,6 +1,5 @@
 //! Whether estimates vary by events that are too rare to say by how much.
 
-use super::predict::Tolerated;
 use crate::oracle::variance::Spread;
 use crate::statistics::PowerSums;
 
@@ -8,12 +7,12 @@ use crate::statistics::PowerSums;
 const FEWEST_EVENTS: f64 = 30.0;
 
 /// With hits of probability p among N samples, R replicates have an excess kurtosis of (1/p + …)/N, and p N R hits: the
-/// excess over R is one over the number of events, whichever kind is the rarer. It is taken as predicted; as measured
-/// where nothing is.
+/// excess over R is one over the number of events, whichever kind is the rarer. It is taken as predicted, or as measured
+/// where that is larger.
 ///
 /// - `sums`: of all replicates
 /// - `replicates`: those that an interval is to be drawn from
-pub(super) fn is_rare(sums: &PowerSums, predicted: Option<Tolerated>, replicates: u64) -> bool {
+pub(super) fn is_rare(sums: &PowerSums, predicted: Option<Spread>, replicates: u64) -> bool {
     is_rare_together(std::iter::once((sums, predicted)), false, replicates)
 }
 
@@ -22,19 +21,18 @@ pub(super) fn is_rare(sums: &PowerSums, predicted: Option<Tolerated>, replicates
 /// - `points`: of each its sums, of all replicates, and its prediction
 /// - `shared`: whether one event may hit all of them at once
 pub(super) fn is_rare_together<'a>(
-    points: impl Iterator<Item = (&'a PowerSums, Option<Tolerated>)>,
+    points: impl Iterator<Item = (&'a PowerSums, Option<Spread>)>,
     shared: bool,
     replicates: u64,
 ) -> bool {
     let (mut variance, mut cumulants, mut roots) = (0.0, 0.0, 0.0);
     for (sums, predicted) in points {
-        let spread = match predicted.map(|predicted| predicted.spread) {
-            Some(spread) if spread.variance > 0.0 => spread,
-            _ => {
-                let variance = sums.variance().unwrap_or(0.0);
-                let excess = sums.kurtosis().map_or(0.0, |kurtosis| kurtosis - 3.0);
-                Spread { variance, fourth_cumulant: excess * variance * variance }
-            }
+        let (seen, kurtosis) = (sums.variance().unwrap_or(0.0), sums.kurtosis().unwrap_or(3.0));
+        let measured = Spread { variance: seen, fourth_cumulant: (kurtosis - 3.0) * seen * seen };
+        let spread = match predicted {
+            // What looks tame may have hidden; what looks wild is.
+            Some(spread) if spread.kurtosis() > kurtosis => spread,
+            _ => measured,
         };
         variance += spread.variance;
         cumulants += spread.fourth_cumulant;
@@ -54,7 +52,7 @@ mod tests {
         let spread = Spread { variance, fourth_cumulant: variance * (1.0 - 6.0 * variance) };
         let mut sums = PowerSums::about(p);
         (0..replicates).for_each(|_| sums.add(0.0));
-        is_rare(&sums, Some(Tolerated { spread, error: 0.0 }), u64::from(replicates))
+        is_rare(&sums, Some(spread), u64::from(replicates))
     }
 
     #[test]

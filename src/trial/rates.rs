@@ -5,6 +5,7 @@ use super::outcome::{Rate, RatePoint};
 use super::plan::CellPlan;
 use super::rare::is_rare_together;
 use crate::oracle::Region;
+use crate::oracle::variance::Spread;
 use crate::sampling::{PointSet, Seams, Strategy, Surface};
 use crate::statistics::Verdict;
 use crate::statistics::evidence::ALPHA;
@@ -45,7 +46,7 @@ fn rate(
         let mean_over_points =
             |value: &dyn Fn(usize) -> f64| points.iter().map(|p| value(*p)).sum::<f64>() / points.len() as f64;
         let value = mean_over_points(&|p| cell.points[p].variance().unwrap_or(0.0));
-        let spreads = points.iter().map(|p| (&cell.points[*p], plan.prediction.points[*p]));
+        let spreads = points.iter().map(|p| (&cell.points[*p], plan.prediction.alike[*p]));
         let is_rare = is_rare_together(spreads, strategy.shares_points(), cell.replicates);
         if value <= 0.0 || cell.batches.len() < 2 || is_rare {
             continue;
@@ -54,7 +55,10 @@ fn rate(
         let batches: Vec<f64> = cell.batches.iter().map(|batch| mean_over_points(&|p| batch[p])).collect();
         let middle = batches.iter().sum::<f64>() / batches.len() as f64;
         let spread = batches.iter().map(|b| (b - middle) * (b - middle)).sum::<f64>() / (batches.len() - 1) as f64;
-        let relative = (spread / batches.len() as f64).sqrt() / middle;
+        let measured = spread / batches.len() as f64 / (middle * middle);
+        // Heavy tails need not have shown in the batches; what is known of them counts.
+        let known = if strategy.shares_points() { 0.0 } else { known_noise(points, plan) };
+        let relative = measured.max(known).sqrt();
         // Intervals of a positive quantity, on the logarithmic scale.
         let factor = (student_quantile(LEVEL, freedom(cell))? * relative).exp();
         curve.push(RatePoint { samples: cell.samples, value, low: value / factor, high: value * factor });
@@ -101,6 +105,17 @@ fn rate(
         verdict,
         points: curve,
     })
+}
+
+/// Relative variance, as predicted, of the mean over fresh points of their measured variances; 0 where nothing is.
+fn known_noise(points: &[usize], plan: &CellPlan) -> f64 {
+    let spreads: Option<Vec<Spread>> = points.iter().map(|p| plan.prediction.alike[*p]).collect();
+    let spreads = spreads.unwrap_or_default();
+    let total: f64 = spreads.iter().map(|spread| spread.variance).sum();
+    // A squared deviation has the variance E d⁴ − v².
+    let squares = |spread: &Spread| spread.variance * spread.variance * (spread.kurtosis() - 1.0);
+    let noise: f64 = spreads.iter().map(squares).sum();
+    if total > 0.0 { noise / (total * total) / plan.replicates as f64 } else { 0.0 }
 }
 
 /// Degrees of freedom of a cell's noise.

@@ -12,6 +12,7 @@ use super::judge;
 use super::measure::{CellSums, Prepared, measure};
 use super::outcome::{CaseOutcome, Cell, Measured, RunOutcome, StrategyOutcome, Timing};
 use super::plan::{CellPlan, pilot_replicates};
+use super::predict::CellPrediction;
 use super::rare::is_rare;
 use super::rates::rates;
 use super::ready::Ready;
@@ -185,7 +186,7 @@ fn run_strategy(
         .collect();
     let rays = plans.iter().map(|plan| rays_of(prepared, plan.samples, plan.replicates)).sum();
     let pilot = Timing { stage: "pilot", rays: pilot_rays, seconds: pilot_seconds, efficiency: None };
-    let timings = (pilot_rays > 0)
+    let mut timings: Vec<Timing> = (pilot_rays > 0)
         .then_some(pilot)
         .into_iter()
         .chain([Timing {
@@ -195,10 +196,17 @@ fn run_strategy(
             efficiency: cells.last().and_then(|cell| efficiency(cell, prepared.exact.len())),
         }])
         .collect();
+    let start = Instant::now();
     let mut verdicts = vec![judge::bias(prepared, study, strategy, &cells, &plans, reproduce.clone())];
     verdicts.extend(spread::variance(prepared, study, strategy, &cells, &plans, &reproduce));
     verdicts.extend(spread::covariance(prepared, study, strategy, &cells, &plans, &reproduce));
     accept(&mut verdicts, strategy, &study.accepted);
+    timings.push(Timing {
+        stage: "judge",
+        rays: plans.iter().map(|plan| plan.replicates * prepared.exact.len() as u64).sum(),
+        seconds: start.elapsed().as_secs_f64(),
+        efficiency: None,
+    });
     StrategyOutcome {
         strategy,
         rates: rates(prepared, strategy, &cells, &plans),
@@ -218,15 +226,17 @@ fn efficiency(cell: &CellSums, n_points: usize) -> Option<f64> {
 
 /// What reports show of a cell.
 fn shown(cell: &CellSums, plan: &CellPlan) -> Cell {
-    let points = cell.points.iter().zip(&plan.prediction.points).map(|(sums, predicted)| {
+    let CellPrediction { points, alike, .. } = &plan.prediction;
+    let points = cell.points.iter().zip(points).zip(alike).map(|((sums, predicted), alike)| {
         let variance = sums.variance().unwrap_or(0.0);
+        let kurtosis = predicted.map_or(1.0, |predicted| predicted.spread.kurtosis());
         Measured {
             mean: sums.mean().unwrap_or(0.0),
             bias: sums.mean_deviation().unwrap_or(0.0),
             bias_std_error: sums.std_error().unwrap_or(0.0),
             variance,
-            variance_interval: interval::of_variance(sums, LEVEL)
-                .filter(|_| !is_rare(sums, *predicted, cell.replicates)),
+            variance_interval: interval::of_variance_with(sums, kurtosis, LEVEL)
+                .filter(|_| !is_rare(sums, *alike, cell.replicates)),
             predicted_variance: predicted.map(|predicted| predicted.spread.variance),
             mse: sums.mean_square_deviation().unwrap_or(0.0),
         }

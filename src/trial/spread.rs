@@ -6,6 +6,8 @@
 //! [`crate::statistics::evidence`]). Smaller errors than predicted are a fault as larger ones are: points that are better
 //! than they claim are not the points that were asked for.
 
+use std::collections::BTreeMap;
+
 use super::judge::place_words;
 use super::measure::{CellSums, Prepared};
 use super::outcome::JudgedProperty;
@@ -164,9 +166,15 @@ impl Judge<'_> {
         let components: Vec<(f64, &Group)> = groups.iter().map(|group| (pooled(&group.members), group)).collect();
         let m = components.len();
         let evidence = log10_capped(ln_average(components.iter().map(|(ln, ..)| *ln)));
+        // Many groups hold as many observations.
+        let mut shifts: BTreeMap<u64, f64> = BTreeMap::new();
+        for group in &groups {
+            let total = count(&group.members);
+            shifts.entry(total).or_insert_with(|| smallest_shift(1.0, total, m));
+        }
         let smallest = |wanted: &dyn Fn(Option<usize>) -> bool| {
             let fitting = groups.iter().filter(|group| wanted(group.cell));
-            fitting.map(|group| smallest_deviation(&group.members, m)).reduce(f64::min)
+            fitting.map(|group| smallest_deviation(&group.members, shifts[&count(&group.members)])).reduce(f64::min)
         };
         let together = smallest(&|_| true).unwrap_or(f64::INFINITY);
         let worst = (0..self.cells.len()).filter_map(|c| smallest(&|cell| cell == Some(c))).reduce(f64::max);
@@ -245,11 +253,11 @@ fn mean_deviation(group: &[&Watched]) -> (f64, f64) {
 
 /// The relative deviation, common to a group, that would be caught with 99 % probability.
 ///
-/// - `components`: capitals averaged
-fn smallest_deviation(group: &[&Watched], components: usize) -> f64 {
+/// - `shift`: that would be of a mean, in units of the standard deviation of one observation
+fn smallest_deviation(group: &[&Watched], shift: f64) -> f64 {
     let total: u64 = group.iter().map(|w| w.observed.n).sum();
     // Each bet is made in units of the quantity's own spread: a deviation δ moves it by δ over its relative spread.
     let pull = group.iter().map(|w| w.observed.n as f64 / w.relative_spread()).sum::<f64>() / total as f64;
     let slack = group.iter().map(|w| w.slack).fold(0.0, f64::max);
-    slack + smallest_shift(1.0, total, components) / pull
+    slack + shift / pull
 }

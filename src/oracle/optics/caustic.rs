@@ -242,7 +242,11 @@ impl Caustic {
             return if radius <= near { Arrival::OnCaustic } else { nothing };
         }
         let is_near = |knot: &Knot| {
-            let off = if knot.landing.narrow() < 0.0 { knot.landing + Wide::from(radius) } else { knot.landing - Wide::from(radius) };
+            let off = if knot.landing.narrow() < 0.0 {
+                knot.landing + Wide::from(radius)
+            } else {
+                knot.landing - Wide::from(radius)
+            };
             knot.is_fold && off.narrow().abs() <= near
         };
         if self.knots.iter().any(is_near) || (radius <= near && self.is_focused()) {
@@ -264,7 +268,11 @@ impl Caustic {
             bound += term * (super::ROUNDINGS * f64::EPSILON + blur);
             n_rays += 1;
         }
-        if value.is_finite() && bound.is_finite() { Arrival::Finite { value, bound, n_rays } } else { Arrival::OnCaustic }
+        if value.is_finite() && bound.is_finite() {
+            Arrival::Finite { value, bound, n_rays }
+        } else {
+            Arrival::OnCaustic
+        }
     }
 
     /// Power that lands between two circles around the axis: finite everywhere.

@@ -36,7 +36,12 @@ pub struct Lampshade {
 impl Lampshade {
     /// - `bulb`: inside the shell; `transmittance` τ, `reflectance` ρ of the shell's inside: shares in [0, 1] with τ + ρ ≤ 1,
     ///   ρ < 1; what is left is absorbed
-    pub fn new(shell: Sphere, bulb: PointSource, transmittance: f64, reflectance: f64) -> Result<Lampshade, OpticsError> {
+    pub fn new(
+        shell: Sphere,
+        bulb: PointSource,
+        transmittance: f64,
+        reflectance: f64,
+    ) -> Result<Lampshade, OpticsError> {
         let transmittance = share("the transmittance", transmittance)?;
         let reflectance = share("the reflectance", reflectance)?;
         // Decimals that add up to one may do so but for rounding.
@@ -88,7 +93,8 @@ impl Lampshade {
     pub fn irradiance_at(&self, point: &MeasurementPoint, occluders: &[Shape]) -> Result<Truth, OpticsError> {
         let mean = self.power().watts() / (4.0 * PI * self.shell.radius() * self.shell.radius());
         let refused = |said: String| OpticsError::Configuration { said };
-        let source = Source::new(Shape::Sphere(self.shell), Exitance::new(mean)).map_err(|e| refused(e.to_string()))?;
+        let source =
+            Source::new(Shape::Sphere(self.shell), Exitance::new(mean)).map_err(|e| refused(e.to_string()))?;
         let room = Configuration::new(vec![source], occluders.to_vec(), None, vec![*point], Arrangement::Scattered)
             .map_err(|all| refused(all.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")))?;
         let oracle = Oracle::new(&room);

@@ -246,7 +246,11 @@ impl MirrorOracle {
         let (plane, height) = if height.narrow() > 0.0 { (-plane, -height) } else { (plane, height) };
         let normal = Vector::constant(point.normal_as_given()).normalize();
         let mirrored = normal - plane * (plane.dot(normal) * 2.0);
-        Ok(Behind { eye: eye + plane * (height * 2.0), normal: mirrored, lit: HalfSpace { normal: plane, k: height } })
+        Ok(Behind {
+            eye: eye + plane * (height * 2.0),
+            normal: mirrored,
+            lit: HalfSpace { normal: plane, k: height },
+        })
     }
 
     fn body(&self, at: InTheWay) -> &Body {
@@ -393,14 +397,16 @@ impl MirrorOracle {
             };
             normal.dot(body.center - eye).abs() < 1e-3 * (body.center.distance(eye) + body.reach)
         };
-        let mut bodies = blockers.iter().map(|(at, _)| self.body(*at)).chain([&self.glass, &self.oracle.sources[index].body]);
+        let mut bodies =
+            blockers.iter().map(|(at, _)| self.body(*at)).chain([&self.glass, &self.oracle.sources[index].body]);
         if plain.bound <= LOOSE * plain.value && !bodies.any(is_grazing) {
             return plain;
         }
         match self.wide(index, seen, cut, blockers, behind) {
-            Some(wide) if (wide - plain.value).abs() <= PARTED * plain.bound => {
-                Factor { value: wide, bound: 4.0 * f64::EPSILON * wide.abs() + WIDE_EPSILON * plain.bound / f64::EPSILON }
-            }
+            Some(wide) if (wide - plain.value).abs() <= PARTED * plain.bound => Factor {
+                value: wide,
+                bound: 4.0 * f64::EPSILON * wide.abs() + WIDE_EPSILON * plain.bound / f64::EPSILON,
+            },
             _ => plain,
         }
     }
@@ -454,7 +460,9 @@ impl MirrorOracle {
 fn span(body: &Body, along: DVec3) -> [f64; 2] {
     let around = |middle: f64, reach: f64| [middle - reach, middle + reach];
     let of = |points: &mut dyn Iterator<Item = DVec3>| {
-        points.map(|p| along.dot(p)).fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], h| [low.min(h), high.max(h)])
+        points
+            .map(|p| along.dot(p))
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], h| [low.min(h), high.max(h)])
     };
     match &body.figure {
         Figure::Disk { normal, radius, .. } => around(along.dot(body.center), radius * along.cross(*normal).length()),
@@ -538,7 +546,9 @@ mod tests {
         all.push(below(source));
         let oracle = |all: Vec<Shape>| {
             let emitter = Source::new(source.clone(), Exitance::new(1.0)).unwrap();
-            Configuration::new(vec![emitter], all, None, vec![eye], Arrangement::Scattered).ok().map(|c| Oracle::new(&c))
+            Configuration::new(vec![emitter], all, None, vec![eye], Arrangement::Scattered)
+                .ok()
+                .map(|c| Oracle::new(&c))
         };
         let open = oracle(all.clone())?.at(&eye);
         all.push(glass.clone());
@@ -604,7 +614,8 @@ mod tests {
         let point = down(DVec3::new(0.7, 0.2, 1.0));
         for kind in [0, 1, 2, 3] {
             let lamp = shape(kind, DVec3::new(-0.3, 0.1, 1.4), DVec3::new(0.3, 0.1, -1.0), 0.2, 0.3).unwrap();
-            let found = mirrored(&room(lamp.clone(), vec![], vec![point]), glass(1, DVec3::ZERO, 9.0, 9.0), &point).unwrap();
+            let found =
+                mirrored(&room(lamp.clone(), vec![], vec![point]), glass(1, DVec3::ZERO, 9.0, 9.0), &point).unwrap();
             let image = match below(&lamp) {
                 // Rectangles keep their lit side by the order of their edges.
                 Shape::Rectangle(s) => Shape::Rectangle(Rectangle::new(s.center(), s.edge_v(), s.edge_u()).unwrap()),
@@ -624,7 +635,9 @@ mod tests {
             let (y, z) = (DVec3::Y * 0.6, DVec3::Z * (high - low));
             Shape::Rectangle(Rectangle::new(DVec3::Z * (0.5 * (low + high)), y, z).unwrap())
         };
-        let seen = |lamp: Shape| mirrored(&room(lamp, vec![], vec![point]), glass(1, DVec3::X * 0.4, 0.5, 0.5), &point).unwrap();
+        let seen = |lamp: Shape| {
+            mirrored(&room(lamp, vec![], vec![point]), glass(1, DVec3::X * 0.4, 0.5, 0.5), &point).unwrap()
+        };
         let (whole, above) = (seen(wall(-0.4, 0.5)), seen(wall(0.0, 0.5)));
         assert_relative_eq!(whole, above, max_relative = 1e-12);
         assert!(above > 1e-3);
@@ -686,10 +699,7 @@ mod tests {
         let globe = Shape::Sphere(Sphere::new(DVec3::Z, 0.3).unwrap());
         let nail = Shape::Disk(Disk::new(DVec3::new(0.0, 0.0, 0.8), DVec3::X, 0.2).unwrap());
         let nailed = room(globe, vec![nail], vec![point]);
-        assert_eq!(
-            mirrored(&nailed, wide(), &point),
-            Err(OpticsError::CutsIntoSource { said: 0, occluder: 0 })
-        );
+        assert_eq!(mirrored(&nailed, wide(), &point), Err(OpticsError::CutsIntoSource { said: 0, occluder: 0 }));
         // On the other side of the mirror there is no lamp; a lamp that looks away from it shows nothing.
         let under = MeasurementPoint::new(-DVec3::Z, DVec3::Z).unwrap();
         assert_abs_diff_eq!(mirrored(&room(lamp(), vec![], vec![under]), wide(), &under).unwrap(), 0.0);

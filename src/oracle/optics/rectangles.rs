@@ -158,6 +158,8 @@ mod tests {
         assert!(matches!(FacingRectangles::new(0.2, [1.0, 1.0], half, one), Err(OpticsError::TooClose { .. })));
         assert!(FacingRectangles::new(1.0, [1.0, -1.0], half, one).is_err());
         let both = FacingRectangles::new(1.0, [1.0, 2.0], half, one).unwrap();
-        assert!(both.radiosity(Which::First, [0.6, 0.0]).is_err() && both.radiosity(Which::First, [0.4, 0.9]).is_ok());
+        assert!(
+            both.radiosity(Which::First, [0.6, 0.0]).is_err() && both.radiosity(Which::First, [0.4, 0.9]).is_ok()
+        );
     }
 }

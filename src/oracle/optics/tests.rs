@@ -160,8 +160,16 @@ fn focal_lengths_are_the_textbooks() {
     assert!(Caustic::glass_ball(1.0, 1.5, 1.5, 0.5, loss).unwrap().is_focused());
     assert!(Caustic::plano_convex(1.0, 1.5, 2.0, 0.25, loss).unwrap().is_focused());
     assert_relative_eq!(on_axis(Caustic::spherical_mirror(2.0, 1.25, 0.125).unwrap()), 16.0, max_relative = 1e-12);
-    assert_relative_eq!(on_axis(Caustic::glass_ball(1.0, 1.5, 2.25, 0.125, loss).unwrap()), 4.0, max_relative = 1e-12);
-    assert_relative_eq!(on_axis(Caustic::plano_convex(1.0, 1.5, 3.0, 0.125, loss).unwrap()), 4.0, max_relative = 1e-12);
+    assert_relative_eq!(
+        on_axis(Caustic::glass_ball(1.0, 1.5, 2.25, 0.125, loss).unwrap()),
+        4.0,
+        max_relative = 1e-12
+    );
+    assert_relative_eq!(
+        on_axis(Caustic::plano_convex(1.0, 1.5, 3.0, 0.125, loss).unwrap()),
+        4.0,
+        max_relative = 1e-12
+    );
 }
 
 #[test]
@@ -188,7 +196,11 @@ fn what_is_singular_says_so() {
     assert_eq!(point.at(0.0).unwrap(), Arrival::OnCaustic);
     assert_eq!(point.at(0.1).unwrap(), Arrival::Finite { value: 0.0, bound: 0.0, n_rays: 0 });
     assert_relative_eq!(point.power_in_ring(0.0, 1e-9).unwrap().value, PI, max_relative = 1e-15);
-    assert_relative_eq!(point.power_in_rectangle([-0.1, 0.1], [0.0, 0.1]).unwrap().value, PI / 2.0, max_relative = 1e-14);
+    assert_relative_eq!(
+        point.power_in_rectangle([-0.1, 0.1], [0.0, 0.1]).unwrap().value,
+        PI / 2.0,
+        max_relative = 1e-14
+    );
     for (name, caustic) in layouts() {
         for ring in caustic.rings() {
             assert_eq!(caustic.at(ring).unwrap(), Arrival::OnCaustic, "{name}");

@@ -47,6 +47,12 @@ impl Spread {
         self.fourth_cumulant + 3.0 * self.variance * self.variance
     }
 
+    /// Fourth moment over the variance squared; 1, the least there is, of what never varies.
+    pub fn kurtosis(&self) -> f64 {
+        let square = self.variance * self.variance;
+        if square > 0.0 { (self.fourth_moment() / square).max(1.0) } else { 1.0 }
+    }
+
     /// The sum of independent quantities.
     pub fn plus(self, other: Spread) -> Spread {
         Spread {

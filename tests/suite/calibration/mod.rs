@@ -1,6 +1,6 @@
 //! The gate, measured in a minute: a few null runs through `etendue::calibration`, and every planted fault.
 //!
-//! `etendue calibrate` looks longer; `reports/calibration/` holds what it found.
+//! `etendue calibrate` looks longer; `reports/reference/calibration/` holds what it found.
 
 mod faults;
 mod mixed;

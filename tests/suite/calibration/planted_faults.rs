@@ -1,7 +1,7 @@
 //! Every planted fault is found out, by the verdict that should.
 //!
 //! `cargo test planted_faults` tries two seeds of each. `CALIBRATION_SEEDS=100 cargo test --release planted_faults`
-//! tries as many as it says and writes `reports/calibration/faults.csv`.
+//! tries as many as it says and writes `reports/reference/calibration/faults.csv`.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -202,7 +202,7 @@ fn each_is_caught_by_the_verdict_that_should() {
 }
 
 fn write(tried: &[Tried]) {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("reports/calibration/faults.csv");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("reports/reference/calibration/faults.csv");
     let mut table = csv::Writer::from_path(&path).expect("the table can be written");
     let header = [
         "fault",
