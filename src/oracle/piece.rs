@@ -190,7 +190,12 @@ fn round<T: Number>(rim: Rim<T>, keep: Option<HalfSpace<T>>) -> Option<Piece<T>>
             let plane = cut_normal(keep, rim.axis, rim.height);
             let mut curves = vec![Curve::Round { rim, from, to }];
             curves.extend(GreatArc::on_circle(rim.point(to), rim.point(from), plane).map(Curve::Straight));
-            Some(Piece { curves, is_cut: true, is_complement: false, inside: Inside::Round { rim, cut: Some(plane) } })
+            Some(Piece {
+                curves,
+                is_cut: true,
+                is_complement: false,
+                inside: Inside::Round { rim, cut: Some(plane) },
+            })
         }
     }
 }

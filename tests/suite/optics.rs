@@ -19,7 +19,10 @@ fn check(table: &'static str, column: &'static str, caustic: impl Fn(&Row<'_>) -
         let Arrival::Finite { value, bound, n_rays } = arrival else { panic!("{id} has a value") };
         assert_eq!(n_rays as f64, row.number("preimages"), "{id}");
         let wanted = row.number(column);
-        assert!((value - wanted).abs() <= bound + f64::EPSILON * wanted, "{id}: {value:e}, {wanted:e} within {bound:e}");
+        assert!(
+            (value - wanted).abs() <= bound + f64::EPSILON * wanted,
+            "{id}: {value:e}, {wanted:e} within {bound:e}"
+        );
         (id, value, wanted)
     });
     agree(table, 1e-14, values);
@@ -101,7 +104,10 @@ fn caustic_nephroid() {
         let Arrival::Finite { value, bound, n_rays } = arrival else { panic!("{id} has a value") };
         assert_eq!(n_rays as f64, row.number("preimages"), "{id}");
         let wanted = row.number("E_over_Edirect");
-        assert!((value - wanted).abs() <= bound + f64::EPSILON * wanted, "{id}: {value:e}, {wanted:e} within {bound:e}");
+        assert!(
+            (value - wanted).abs() <= bound + f64::EPSILON * wanted,
+            "{id}: {value:e}, {wanted:e} within {bound:e}"
+        );
         (id, value, wanted)
     });
     agree("caustic_nephroid", 1e-14, values);
@@ -123,7 +129,10 @@ fn interreflection_disks() {
         ];
         found.map(|(column, found)| {
             let (id, wanted) = (format!("{} {column}", row.text("id")), row.number(column));
-            assert!((found.value - wanted).abs() <= found.bound + f64::EPSILON * wanted, "{id}: {found:?}, {wanted:e}");
+            assert!(
+                (found.value - wanted).abs() <= found.bound + f64::EPSILON * wanted,
+                "{id}: {found:?}, {wanted:e}"
+            );
             (id, found.value, wanted)
         })
     });
@@ -142,7 +151,10 @@ fn mirror_window() {
         let found = MirrorOracle::new(&room, &mirror).unwrap().at(&point).unwrap();
         let (id, wanted) = (row.text("id").to_owned(), row.number("F_mirror"));
         let (value, bound) = (found.form_factor.ratio(), found.bound.watts_per_square_metre());
-        assert!((value - wanted).abs() <= bound + f64::EPSILON * wanted, "{id}: {value:e}, {wanted:e} within {bound:e}");
+        assert!(
+            (value - wanted).abs() <= bound + f64::EPSILON * wanted,
+            "{id}: {value:e}, {wanted:e} within {bound:e}"
+        );
         (id, value, wanted)
     });
     agree("mirror_window", 1e-12, values);

@@ -1,7 +1,7 @@
 //! A ball of glass in a beam.
 
-use super::fan::Fan;
 use super::faces::{self, Loss, Polarised};
+use super::fan::Fan;
 use super::spherical::{half_tangent, of_half_tangent};
 use crate::number::{Number, Wide};
 

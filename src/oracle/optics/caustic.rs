@@ -205,15 +205,14 @@ impl Caustic {
 
     /// Whether light of rays away from the axis meets on it, so that the irradiance has no bound there.
     pub fn is_focused(&self) -> bool {
-        self.is_point() || self.axis_rays().iter().any(|u| u.narrow() > 0.0) || self.slope_at_axis() == 0.0
+        let is_flat = with_fan!(&self.optic, fan => {
+            fan::landing_jet(fan, Wide::ZERO)[1].narrow().abs() <= ON_CAUSTIC * fan.size()
+        });
+        is_flat || self.axis_rays().iter().any(|u| u.narrow() > 0.0)
     }
 
     fn axis_rays(&self) -> impl std::ops::Deref<Target = [Wide]> {
         with_fan!(&self.optic, fan => fan::preimages(fan, &self.knots, 0.0, |u| u))
-    }
-
-    fn slope_at_axis(&self) -> f64 {
-        with_fan!(&self.optic, fan => fan::landing_jet(fan, Wide::ZERO)[1].narrow())
     }
 
     /// Whether all rays land in one point.
@@ -242,7 +241,11 @@ impl Caustic {
             return if radius <= near { Arrival::OnCaustic } else { nothing };
         }
         let is_near = |knot: &Knot| {
-            let off = if knot.landing.narrow() < 0.0 { knot.landing + Wide::from(radius) } else { knot.landing - Wide::from(radius) };
+            let off = if knot.landing.narrow() < 0.0 {
+                knot.landing + Wide::from(radius)
+            } else {
+                knot.landing - Wide::from(radius)
+            };
             knot.is_fold && off.narrow().abs() <= near
         };
         if self.knots.iter().any(is_near) || (radius <= near && self.is_focused()) {
@@ -264,7 +267,11 @@ impl Caustic {
             bound += term * (super::ROUNDINGS * f64::EPSILON + blur);
             n_rays += 1;
         }
-        if value.is_finite() && bound.is_finite() { Arrival::Finite { value, bound, n_rays } } else { Arrival::OnCaustic }
+        if value.is_finite() && bound.is_finite() {
+            Arrival::Finite { value, bound, n_rays }
+        } else {
+            Arrival::OnCaustic
+        }
     }
 
     /// Power that lands between two circles around the axis: finite everywhere.

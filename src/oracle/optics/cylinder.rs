@@ -196,8 +196,10 @@ impl CylinderMirror {
             if probes == [0.0; 3] {
                 continue;
             }
-            let demand =
-                |sum: &[f64; 1]| Demand { goal: [1e-15 * sum[0].abs() + 1e-16 * area], floor: |value| [1e-16 * value[0].abs()] };
+            let demand = |sum: &[f64; 1]| Demand {
+                goal: [1e-15 * sum[0].abs() + 1e-16 * area],
+                floor: |value| [1e-16 * value[0].abs()],
+            };
             let found = rule::integrate(pair, Ends::Smooth, 1e-14, 400, integrand, demand);
             sum.value += found.value[0];
             sum.bound += found.error[0] + Bounded::rounded(found.value[0]).bound;
@@ -280,7 +282,9 @@ mod tests {
     /// Away from the caustic: by two nested Gauss rules of the point value.
     #[test]
     fn rectangles_hold_what_the_irradiance_adds_up_to() {
-        for ([x0, x1], [y0, y1]) in [([-0.5, -0.1], [-0.3, 0.2]), ([-2.0, -1.5], [-0.2, 0.4]), ([0.58, 0.62], [-0.01, 0.01])] {
+        for ([x0, x1], [y0, y1]) in
+            [([-0.5, -0.1], [-0.3, 0.2]), ([-2.0, -1.5], [-0.2, 0.4]), ([0.58, 0.62], [-0.01, 0.01])]
+        {
             let inner = |x: f64| crate::number::gauss_10(0.5 * (y0 + y1), 0.5 * (y1 - y0), |y| value(x, y));
             let wanted = crate::number::gauss_10(0.5 * (x0 + x1), 0.5 * (x1 - x0), inner);
             let found = CUP.power_in_rectangle([x0, x1], [y0, y1]).unwrap();

@@ -144,11 +144,9 @@ mod tests {
     #[test]
     fn wide_disks_are_endless_plates() {
         let pair = disks(1.0, [40.0, 40.0], [0.5, 0.3], [1.0, 0.0]);
-        let plates = crate::radiometry::enclosure::parallel_plates(
-            [1.0, 0.0].map(Exitance::new),
-            [0.5, 0.3].map(Albedo::new),
-        )
-        .unwrap();
+        let plates =
+            crate::radiometry::enclosure::parallel_plates([1.0, 0.0].map(Exitance::new), [0.5, 0.3].map(Albedo::new))
+                .unwrap();
         for (which, plate) in [Which::First, Which::Second].into_iter().zip(plates) {
             let found = pair.radiosity(which, 0.0).unwrap().value;
             assert_relative_eq!(found, plate.watts_per_square_metre(), max_relative = 2e-3);
@@ -161,7 +159,10 @@ mod tests {
         let (half, one) = ([0.5, 0.5].map(Albedo::new), [1.0, 0.0].map(Exitance::new));
         assert!(matches!(CoaxialDisks::new(0.0, [1.0, 1.0], half, one), Err(OpticsError::Length { .. })));
         assert!(matches!(CoaxialDisks::new(0.01, [1.0, 1.0], half, one), Err(OpticsError::TooClose { .. })));
-        assert!(matches!(CoaxialDisks::new(1.0, [1.0, 1.0], [1.5, 0.5].map(Albedo::new), one), Err(OpticsError::Share { .. })));
+        assert!(matches!(
+            CoaxialDisks::new(1.0, [1.0, 1.0], [1.5, 0.5].map(Albedo::new), one),
+            Err(OpticsError::Share { .. })
+        ));
         assert!(CoaxialDisks::new(1.0, [1.0, 1.0], half, [f64::NAN, 0.0].map(Exitance::new)).is_err());
         let pair = CoaxialDisks::new(1.0, [1.0, 2.0], half, one).unwrap();
         assert!(pair.radiosity(Which::First, 1.5).is_err() && pair.radiosity(Which::Second, 1.5).is_ok());

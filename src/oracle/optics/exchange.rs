@@ -115,7 +115,9 @@ impl<F: Facing> Exchange<F> {
         let mut radiosity = vec![self.exitances[on]; self.nodes[on].len()];
         for _ in 1..reflections {
             let to = 1 - on;
-            let at_node = |(at, _): &(F::Place, f64)| self.exitances[to] + self.albedos[to] * self.gathered(to, *at, &radiosity);
+            let at_node = |(at, _): &(F::Place, f64)| {
+                self.exitances[to] + self.albedos[to] * self.gathered(to, *at, &radiosity)
+            };
             radiosity = self.nodes[to].iter().map(at_node).collect();
             on = to;
         }

@@ -177,14 +177,21 @@ pub(super) fn root<T: Number>(low: T, high: T, start: Option<f64>, f: impl Fn(T)
         if said == 0.0 {
             return x;
         }
-        if (said < 0.0) == rises { low = x } else { high = x }
+        if (said < 0.0) == rises {
+            low = x
+        } else {
+            high = x
+        }
         let newton = x - value / slope;
         let step = (newton - x).primal().abs();
         let is_good = step.is_finite() && within(newton, low, high) && step <= 0.5 * last_step;
         let next = if is_good { newton } else { middle(low, high) };
         let moved = (next - x).primal().abs();
         // A Newton step this short is the error of the last guess: the next would square it.
-        if step <= last_bits * x.primal().abs() || moved == 0.0 || (high - low).primal() <= last_bits * x.primal().abs() {
+        if step <= last_bits * x.primal().abs()
+            || moved == 0.0
+            || (high - low).primal() <= last_bits * x.primal().abs()
+        {
             return if is_good { newton } else { x };
         }
         last_step = if is_good { step } else { f64::INFINITY };

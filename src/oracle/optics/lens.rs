@@ -29,8 +29,7 @@ impl Fan for PlanoConvex {
         let (sin_out, cos_out) = of_half_tangent(u);
         let sin_in = sin_out / T::constant(self.index);
         let cos_in = ((T::constant(1.0) - sin_in) * (sin_in + 1.0)).sqrt();
-        let deviation =
-            (sin_out * cos_in - cos_out * sin_in) / (cos_out * cos_in + sin_out * sin_in);
+        let deviation = (sin_out * cos_in - cos_out * sin_in) / (cos_out * cos_in + sin_out * sin_in);
         let sag = sin_in * sin_in / (cos_in + 1.0) * self.radius;
         sin_in * self.radius - (sag + self.distance) * deviation
     }
@@ -45,8 +44,7 @@ impl Fan for PlanoConvex {
         }
         // A face lets through the same share of a ray and of its reverse: that of the ray from outside has no cancellation. At
         // normal incidence both polarisations are alike, so that nothing hangs on how they are averaged.
-        let [[flat, _], [curved, _]] =
-            [1.0, of_half_tangent(u).1].map(|cosine| glass_face(self.index, cosine));
+        let [[flat, _], [curved, _]] = [1.0, of_half_tangent(u).1].map(|cosine| glass_face(self.index, cosine));
         flat.then(curved).mean()
     }
     fn is_lossless(&self) -> bool {
@@ -73,7 +71,8 @@ mod tests {
 
     #[test]
     fn a_beam_as_wide_as_the_glass_lets_out_ends_at_grazing() {
-        let lens = |beam_radius: f64| PlanoConvex { radius: 1.0, index: 1.5, distance: 1.0, beam_radius, loss: Loss::None };
+        let lens =
+            |beam_radius: f64| PlanoConvex { radius: 1.0, index: 1.5, distance: 1.0, beam_radius, loss: Loss::None };
         assert_eq!(lens(0.9).last().narrow(), 1.0);
         let narrow = lens(0.3).last().narrow();
         assert!((narrow - half_tangent(0.45, 1.0).narrow()).abs() < 1e-16);

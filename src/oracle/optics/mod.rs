@@ -164,7 +164,9 @@ pub enum OpticsError {
     #[error("the point lies in the mirror's plane, where it sees no reflection")]
     InMirrorPlane,
     /// A sphere source and something that cuts into it, or the mirror's edge in it.
-    #[error("occluder {occluder} (counted from 0; sources after the occluders) cuts into sphere source {said}: no outline of directions tells what is before what")]
+    #[error(
+        "occluder {occluder} (counted from 0; sources after the occluders) cuts into sphere source {said}: no outline of directions tells what is before what"
+    )]
     CutsIntoSource {
         /// Which source.
         said: usize,
@@ -172,7 +174,9 @@ pub enum OpticsError {
         occluder: usize,
     },
     /// An occluder that two planes cut.
-    #[error("occluder {said} (counted from 0; sources after the occluders) reaches through the mirror's plane and through the source's: cut it in two")]
+    #[error(
+        "occluder {said} (counted from 0; sources after the occluders) reaches through the mirror's plane and through the source's: cut it in two"
+    )]
     TwiceCut {
         /// Which occluder.
         said: usize,

@@ -32,7 +32,9 @@ pub(super) fn composite(from: f64, to: f64, panels: usize, points: usize) -> Vec
     let rule = gauss_legendre(points);
     let half = 0.5 * (to - from) / panels as f64;
     let middle = |i: usize| from + half * (2 * i + 1) as f64;
-    (0..panels).flat_map(|i| rule.iter().map(move |(x, w)| (middle(i) + half * x, half * w)).collect::<Vec<_>>()).collect()
+    (0..panels)
+        .flat_map(|i| rule.iter().map(move |(x, w)| (middle(i) + half * x, half * w)).collect::<Vec<_>>())
+        .collect()
 }
 
 #[cfg(test)]

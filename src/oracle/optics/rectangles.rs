@@ -113,7 +113,7 @@ mod tests {
 
     /// Power on one rectangle of what the other's light makes of it.
     fn power(pair: &FacingRectangles, which: Which) -> f64 {
-        let [x, y] = pair.half.map(|half| composite(-half, half, 2, 12));
+        let [x, y] = pair.half.map(|half| composite(-half, half, 6, 12));
         let row = |x: f64| -> f64 { y.iter().map(|(y, w)| w * pair.irradiance(which, [x, *y]).unwrap().value).sum() };
         x.iter().map(|(x, w)| w * row(*x)).sum()
     }
@@ -158,6 +158,8 @@ mod tests {
         assert!(matches!(FacingRectangles::new(0.2, [1.0, 1.0], half, one), Err(OpticsError::TooClose { .. })));
         assert!(FacingRectangles::new(1.0, [1.0, -1.0], half, one).is_err());
         let both = FacingRectangles::new(1.0, [1.0, 2.0], half, one).unwrap();
-        assert!(both.radiosity(Which::First, [0.6, 0.0]).is_err() && both.radiosity(Which::First, [0.4, 0.9]).is_ok());
+        assert!(
+            both.radiosity(Which::First, [0.6, 0.0]).is_err() && both.radiosity(Which::First, [0.4, 0.9]).is_ok()
+        );
     }
 }

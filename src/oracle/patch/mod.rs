@@ -16,8 +16,8 @@ use thiserror::Error;
 
 use crate::configuration::ConfigurationError;
 
-pub(super) use average::{Value, average_of};
 pub use average::{Average, PatchFactor, Tolerance, average_irradiance, patch_to_patch};
+pub(super) use average::{Value, average_of};
 pub use closed::{
     disk_to_disk, patch_to_patch_inside_sphere, rectangle_to_adjoining_rectangle, rectangle_to_opposite_rectangle,
 };
