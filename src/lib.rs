@@ -81,8 +81,8 @@
 //!
 //! Also on the exact side, each within its own limits: where umbra and penumbra begin and end along a line
 //! ([`oracle::limits`]; `etendue exact --limits`), derivatives with respect to the numbers of a case
-//! ([`Oracle::derivatives`]; `etendue exact --derivative`), form factors between patches ([`oracle::patch`]), and a
-//! second witness that shares no contour code with the first ([`Oracle::by_quadrature`]).
+//! ([`Oracle::derivatives`]; `etendue exact --derivative`), form factors between patches ([`oracle::patch`]), light by way
+//! of mirrors and glass ([`oracle::optics`]), and a second witness that shares no contour code with the first ([`Oracle::by_quadrature`]).
 //!
 //! Variances are predicted ([`oracle::variance`]) for all techniques and for independent and stratified points. For other
 //! point sets those of a pilot run of its own streams plan and judge, taken on the high side.

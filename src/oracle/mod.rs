@@ -14,6 +14,7 @@
 //! | derivatives with respect to the numbers of a case | [`Oracle::derivatives`]: the same contours over dual numbers |
 //! | where shadows begin and end along a line | [`limits::limits`] |
 //! | form factors between patches, means over a patch | [`patch`] |
+//! | light by way of mirrors and glass, caustics, surfaces that light each other | [`optics`] |
 
 mod body;
 mod crossing;

@@ -205,15 +205,14 @@ impl Caustic {
 
     /// Whether light of rays away from the axis meets on it, so that the irradiance has no bound there.
     pub fn is_focused(&self) -> bool {
-        self.is_point() || self.axis_rays().iter().any(|u| u.narrow() > 0.0) || self.slope_at_axis() == 0.0
+        let is_flat = with_fan!(&self.optic, fan => {
+            fan::landing_jet(fan, Wide::ZERO)[1].narrow().abs() <= ON_CAUSTIC * fan.size()
+        });
+        is_flat || self.axis_rays().iter().any(|u| u.narrow() > 0.0)
     }
 
     fn axis_rays(&self) -> impl std::ops::Deref<Target = [Wide]> {
         with_fan!(&self.optic, fan => fan::preimages(fan, &self.knots, 0.0, |u| u))
-    }
-
-    fn slope_at_axis(&self) -> f64 {
-        with_fan!(&self.optic, fan => fan::landing_jet(fan, Wide::ZERO)[1].narrow())
     }
 
     /// Whether all rays land in one point.

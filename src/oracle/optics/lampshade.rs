@@ -127,19 +127,23 @@ mod tests {
     fn the_shell_sends_out_what_it_lets_through() {
         for (offset, tau, rho) in [(0.0, 0.4, 0.0), (0.3, 0.5, 0.2), (0.45, 0.6, 0.4)] {
             let lamp = shade(DVec3::new(0.0, 0.0, offset), tau, rho);
-            // M depends on the height alone, and equal heights hold equal areas.
-            let panels = 64;
-            let mean: f64 = (0..panels)
-                .map(|i| {
-                    let half = 1.0 / f64::from(panels);
-                    let middle = -1.0 + half * f64::from(2 * i + 1);
-                    crate::number::gauss_10(middle, half, |z| {
-                        let outwards = DVec3::new(((1.0 - z) * (1.0 + z)).sqrt(), 0.0, z);
-                        lamp.exitance(outwards).unwrap().watts_per_square_metre()
+            // M depends on the height alone, and equal heights hold equal areas; along the distance from the bulb it is even.
+            let glow = |z: f64| {
+                let outwards = DVec3::new(((1.0 - z) * (1.0 + z)).max(0.0).sqrt(), 0.0, z);
+                lamp.exitance(outwards).unwrap().watts_per_square_metre()
+            };
+            let (near, far, panels) = (0.5 - offset, 0.5 + offset, 64);
+            let mean = if offset == 0.0 {
+                glow(0.3)
+            } else {
+                let half = 0.5 * (far - near) / f64::from(panels);
+                let panel = |i: u32| {
+                    crate::number::gauss_10(near + half * f64::from(2 * i + 1), half, |d| {
+                        glow((0.25 + offset * offset - d * d) / offset) * d / offset
                     })
-                })
-                .sum::<f64>()
-                / 2.0;
+                };
+                (0..panels).map(panel).sum::<f64>()
+            };
             assert_relative_eq!(mean * lamp.shell().area(), lamp.power().watts(), max_relative = 1e-13);
             assert_relative_eq!(lamp.power().watts(), 60.0 * tau / (1.0 - rho), max_relative = 1e-15);
         }

@@ -113,7 +113,7 @@ mod tests {
 
     /// Power on one rectangle of what the other's light makes of it.
     fn power(pair: &FacingRectangles, which: Which) -> f64 {
-        let [x, y] = pair.half.map(|half| composite(-half, half, 2, 12));
+        let [x, y] = pair.half.map(|half| composite(-half, half, 6, 12));
         let row = |x: f64| -> f64 { y.iter().map(|(y, w)| w * pair.irradiance(which, [x, *y]).unwrap().value).sum() };
         x.iter().map(|(x, w)| w * row(*x)).sum()
     }

@@ -37,24 +37,30 @@ fn ring_by_quadrature(caustic: &Caustic, breaks: &[f64]) -> f64 {
     rule::integrate(breaks, Ends::Roots, 1e-13, 4000, integrand, demand).value[0]
 }
 
-/// Flux in a ring is what the point value adds up to, caustics included.
+/// Flux in a ring is what the point value adds up to. (Of what lies within 10⁻⁶ of a caustic the flux is told by the map alone:
+/// there quadrature of an inverse root has no digits to spare.)
 #[test]
 fn rings_hold_what_the_irradiance_adds_up_to() {
     for (name, caustic) in layouts() {
         for [from, to] in [[0.01, 0.05], [0.05, 0.3], [0.1, 0.9]] {
-            // Where the beam's rim lands the irradiance jumps; at a ring caustic it has no bound.
+            // Where the beam's rim lands the irradiance jumps.
             let last = caustic.knots[caustic.knots.len() - 1].landing.narrow().abs();
             let mut breaks = vec![from, to, last];
-            breaks.extend(caustic.rings());
+            breaks.extend(caustic.rings().iter().flat_map(|ring| [ring - 1e-6, ring + 1e-6]));
             breaks.retain(|radius| *radius >= from && *radius <= to);
             breaks.sort_by(f64::total_cmp);
-            let found = caustic.power_in_ring(from, to).unwrap();
-            let wanted = ring_by_quadrature(&caustic, &breaks);
-            assert!(
-                (found.value - wanted).abs() <= 1e-6 * wanted.abs() + found.bound + 1e-14,
-                "{name} [{from}, {to}]: {} against {wanted}",
-                found.value
-            );
+            for pair in breaks.windows(2) {
+                if caustic.rings().iter().any(|ring| (ring - 0.5 * (pair[0] + pair[1])).abs() < 1e-9) {
+                    continue;
+                }
+                let found = caustic.power_in_ring(pair[0], pair[1]).unwrap();
+                let wanted = ring_by_quadrature(&caustic, pair);
+                assert!(
+                    (found.value - wanted).abs() <= 1e-10 * wanted.abs() + found.bound + 1e-15,
+                    "{name} {pair:?}: {} against {wanted}",
+                    found.value
+                );
+            }
         }
     }
 }
@@ -81,7 +87,8 @@ fn rings_and_rectangles_add_up_to_the_total() {
         // Between the circles in it and around it.
         let inner = caustic.power_in_ring(0.0, 0.25).unwrap().value;
         let outer = caustic.power_in_ring(0.0, 0.37 * 2.0_f64.sqrt()).unwrap().value;
-        assert!(whole.value >= inner && whole.value <= outer, "{name}");
+        let slack = 1e-12 * whole.value;
+        assert!(whole.value >= inner - slack && whole.value <= outer + slack, "{name}");
     }
 }
 
@@ -89,9 +96,11 @@ fn rings_and_rectangles_add_up_to_the_total() {
 #[test]
 fn a_rectangle_holds_what_the_irradiance_adds_up_to() {
     let caustic = Caustic::glass_ball(1.0, 1.5, 1.25, 0.875, Loss::PerPolarisation).unwrap();
-    let ([x0, x1], [y0, y1]) = ([0.08, 0.15], [-0.03, 0.06]);
-    let ring = caustic.rings();
-    assert!(ring.iter().all(|r| *r > 0.17 || *r < 0.08), "{ring:?}");
+    let ([x0, x1], [y0, y1]) = ([0.062, 0.095], [-0.03, 0.04]);
+    // Neither a caustic nor the beam's rim lands in it.
+    let mut edges = caustic.rings();
+    edges.push(caustic.knots[caustic.knots.len() - 1].landing.narrow().abs());
+    assert!(edges.iter().all(|r| *r > 0.104 || *r < 0.06), "{edges:?}");
     let inner = |x: f64| crate::number::gauss_10(0.5 * (y0 + y1), 0.5 * (y1 - y0), |y| value(&caustic, x.hypot(y)));
     let wanted = crate::number::gauss_10(0.5 * (x0 + x1), 0.5 * (x1 - x0), inner);
     let found = caustic.power_in_rectangle([x0, x1], [y0, y1]).unwrap();
@@ -118,24 +127,25 @@ fn without_losses_all_power_lands() {
     }
 }
 
-/// Through a slab under a lamp, all orders together: what is not sent back.
+/// Through a slab under a lamp, order by order: what the two faces leave of it.
 #[test]
 fn the_orders_of_a_slab_are_its_transmittance() {
     let order = |echoes: u32| {
         Caustic::slab_under_point_source(1.0, 0.5, 1.5, echoes, Loss::PerPolarisation).unwrap().total().value
     };
-    let sum: f64 = (0..60).map(order).sum();
-    // By the closed sum (1 − R)/(1 + R), over the cosine.
-    let panels = 400;
+    const ORDERS: u32 = 4;
+    let sum: f64 = (0..ORDERS).map(order).sum();
+    // By what each face does, over the cosine.
+    let shares = |c: f64| (0..ORDERS).map(|k| faces::slab_order(1.5, c, k).unwrap()[0].mean()).sum::<f64>();
+    let panels = 100;
     let closed: f64 = (0..panels)
         .map(|i| {
             let half = 0.5 / f64::from(panels);
             let middle = half * f64::from(2 * i + 1);
-            // c = z²: the share leaves grazing like a root of nothing.
-            crate::number::gauss_10(middle, half, |z| 2.0 * z * faces::slab(1.5, z * z).unwrap()[0].mean())
+            crate::number::gauss_10(middle, half, shares)
         })
         .sum();
-    assert_relative_eq!(sum, 2.0 * PI * closed, max_relative = 1e-8);
+    assert_relative_eq!(sum, 2.0 * PI * closed, max_relative = 1e-13);
 }
 
 /// Straight below: the source's image is nearer by d (1 − 1/n).
