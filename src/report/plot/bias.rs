@@ -72,7 +72,7 @@ pub fn bias(case: &CaseOutcome) -> Option<Page> {
     legend_rows(&mut page, (panel.left, HEIGHT - 56.0), panel.right - panel.left, &legend);
     let note = "Bars: ±1.96 standard errors. Thin lines: the smallest bias that would have been caught at every N with \
                 99 % probability.";
-    page.text((24.0, HEIGHT - 18.0), note, SMALL, GREY, Align::Start);
+    page.text((24.0, page.height - 18.0), note, SMALL, GREY, Align::Start);
     Some(page)
 }
 

@@ -22,22 +22,29 @@ pub fn correlation(case: &CaseOutcome) -> Option<Page> {
     let y = Axis::linear(low, high, true, 6);
     let shows = format!("{}: correlation between the errors of two points, by their distance", case.name);
     let mut page = titled_page(&case.title, &shows);
-    let n = strategies.len() as f64;
+    let columns = strategies.len().min(MOST_COLUMNS);
+    let n = columns as f64;
     let (left, gap, right) = (84.0, 26.0, WIDTH - 24.0);
     let width = (right - left - gap * (n - 1.0)) / n;
+    page.height += ROW * (strategies.len().div_ceil(columns) - 1) as f64;
     for (i, strategy) in strategies.iter().enumerate() {
-        let from = left + (width + gap) * i as f64;
+        let (row, column) = (i / columns, i % columns);
+        let (from, top) = (left + (width + gap) * column as f64, 92.0 + ROW * row as f64);
         let x = Axis::linear(0.0, farthest, false, if n > 1.0 { 4 } else { 8 });
-        let y = if i == 0 { y.clone() } else { y.unlabelled() };
-        let panel = Panel { left: from, top: 92.0, right: from + width, bottom: HEIGHT - 146.0, x, y };
-        panel.draw(&mut page, "separation (m)", if i == 0 { "correlation" } else { "" });
-        page.bold((from, 76.0), shown(strategy.strategy), TEXT, INK, Align::Start);
+        let y = if column == 0 { y.clone() } else { y.unlabelled() };
+        let panel = Panel { left: from, top, right: from + width, bottom: top + HEIGHT - 238.0, x, y };
+        panel.draw(&mut page, "separation (m)", if column == 0 { "correlation" } else { "" });
+        page.bold((from, top - 16.0), shown(strategy.strategy), TEXT, INK, Align::Start);
         panel.curve(&mut page, [(0.0, 0.0), (panel.x.high(), 0.0)], INK, 1.0, Dash::Solid);
         draw_strategy(&mut page, &panel, strategy);
     }
-    page.text((24.0, HEIGHT - 18.0), "Bands: 95 %.", SMALL, GREY, Align::Start);
+    page.text((24.0, page.height - 18.0), "Bands: 95 %.", SMALL, GREY, Align::Start);
     Some(page)
 }
+
+/// Panels side by side, and the height of a row of them with its legends, points.
+const MOST_COLUMNS: usize = 4;
+const ROW: f64 = 500.0;
 
 fn draw_strategy(page: &mut Page, panel: &Panel, strategy: &StrategyOutcome) {
     let mut legend = Vec::new();

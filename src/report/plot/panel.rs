@@ -180,6 +180,11 @@ fn draw_entry(page: &mut Page, (x, y): At, key: Key, text: &str) {
     }
 }
 
+/// How much higher a page must be for a column of so many entries.
+pub fn more_than_three(entries: usize) -> f64 {
+    LEGEND_LINE * entries.saturating_sub(3) as f64
+}
+
 /// Entries one below the other from a place on.
 pub fn legend_column(page: &mut Page, (x, y): At, entries: &[(Key, String)]) {
     for (i, (key, text)) in entries.iter().enumerate() {
@@ -187,13 +192,16 @@ pub fn legend_column(page: &mut Page, (x, y): At, entries: &[(Key, String)]) {
     }
 }
 
-/// Entries side by side within a width, in as many rows as it takes.
+/// Entries side by side within a width, in as many rows as it takes; from the third on the page grows.
 pub fn legend_rows(page: &mut Page, (left, top): At, width: f64, entries: &[(Key, String)]) {
     let (mut x, mut y) = (left, top);
     for (key, text) in entries {
         let long = key.width() + text_width(text, SMALL, false) + 22.0;
         if x > left && x + long > left + width {
             (x, y) = (left, y + LEGEND_LINE);
+            if y > top + 1.5 * LEGEND_LINE {
+                page.height += LEGEND_LINE;
+            }
         }
         draw_entry(page, (x, y), *key, text);
         x += long;

@@ -110,7 +110,7 @@ pub fn profile(case: &CaseOutcome) -> Option<Page> {
     } else {
         "Above: marks are means, bars ±1 standard deviation of one estimate. Below: ±1.96 standard errors of the mean."
     };
-    page.text((24.0, HEIGHT - 18.0), note, SMALL, GREY, Align::Start);
+    page.text((24.0, page.height - 18.0), note, SMALL, GREY, Align::Start);
     Some(page)
 }
 

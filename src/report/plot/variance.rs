@@ -3,7 +3,7 @@
 
 use super::axis::Axis;
 use super::ink::{Align, Page};
-use super::panel::{HEIGHT, Key, Panel, WIDTH, legend_column, titled_page};
+use super::panel::{HEIGHT, Key, Panel, WIDTH, legend_column, more_than_three, titled_page};
 use super::style::{Dash, GREY, GUIDE, INK, SMALL, TEXT, look, shown};
 use crate::oracle::Region;
 use crate::sampling::Strategy;
@@ -45,7 +45,9 @@ pub fn variance(case: &CaseOutcome) -> Option<Page> {
         page.bold((from, 76.0), heading(group.region), TEXT, INK, Align::Start);
         draw_group(&mut page, &panel, group);
     }
-    page.text((24.0, HEIGHT - 18.0), NOTE, SMALL, GREY, Align::Start);
+    let entries = groups.iter().map(|group| group.rates.len()).max().unwrap_or(0);
+    page.height += more_than_three(entries);
+    page.text((24.0, page.height - 18.0), NOTE, SMALL, GREY, Align::Start);
     Some(page)
 }
 
@@ -110,7 +112,8 @@ fn draw_group(page: &mut Page, panel: &Panel, group: &Group) {
             page.marker(panel.at(n as f64, value), look.marker, look.colour, 4.0);
         }
         let half = 0.5 * (rate.slope_high - rate.slope_low);
-        let text = format!("{}: slope {:.3} ± {:.3}", shown(*strategy), rate.slope, half).replace('-', "−");
+        let slope = format!("{:.3}", rate.slope).replace('-', "−");
+        let text = format!("{}: slope {slope} ± {half:.3}", shown(*strategy));
         legend
             .push((Key::Line { colour: look.colour, width: 1.6, dash: look.dash, marker: Some(look.marker) }, text));
     }
