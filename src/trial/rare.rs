@@ -7,8 +7,8 @@ use crate::statistics::PowerSums;
 const FEWEST_EVENTS: f64 = 30.0;
 
 /// With hits of probability p among N samples, R replicates have an excess kurtosis of (1/p + …)/N, and p N R hits: the
-/// excess over R is one over the number of events, whichever kind is the rarer. It is taken as predicted, or as measured
-/// where that is larger.
+/// excess over R is one over the number of events, whichever kind is the rarer. It is taken as predicted; as measured
+/// where nothing is.
 ///
 /// - `sums`: of all replicates
 /// - `replicates`: those that an interval is to be drawn from
@@ -27,12 +27,14 @@ pub(super) fn is_rare_together<'a>(
 ) -> bool {
     let (mut variance, mut cumulants, mut roots) = (0.0, 0.0, 0.0);
     for (sums, predicted) in points {
-        let (seen, kurtosis) = (sums.variance().unwrap_or(0.0), sums.kurtosis().unwrap_or(3.0));
-        let measured = Spread { variance: seen, fourth_cumulant: (kurtosis - 3.0) * seen * seen };
+        // Where it is predicted the sample has no say: to print only what happens to look tame would print what is too small.
         let spread = match predicted {
-            // What looks tame may have hidden; what looks wild is.
-            Some(spread) if spread.kurtosis() > kurtosis => spread,
-            _ => measured,
+            Some(spread) if spread.variance > 0.0 => spread,
+            _ => {
+                let variance = sums.variance().unwrap_or(0.0);
+                let excess = sums.kurtosis().map_or(0.0, |kurtosis| kurtosis - 3.0);
+                Spread { variance, fourth_cumulant: excess * variance * variance }
+            }
         };
         variance += spread.variance;
         cumulants += spread.fourth_cumulant;
