@@ -2,6 +2,8 @@
 //!
 //! All lengths are in metres, all angles in radians, all frames right-handed.
 
+mod closed;
+mod curved;
 mod frame;
 mod mesh;
 pub mod partition;
@@ -9,6 +11,8 @@ mod polygon;
 mod shape;
 pub mod solid_angle;
 
+pub use closed::{PlanoConvex, Slab};
+pub use curved::{Cylinder, Paraboloid, SphereCap};
 pub use frame::Frame;
 pub use mesh::Mesh;
 pub use partition::Partition;
