@@ -95,6 +95,7 @@ pub mod cli;
 pub mod configuration;
 pub mod estimator;
 pub mod geometry;
+pub mod light;
 mod number;
 pub mod oracle;
 pub mod radiometry;
