@@ -88,7 +88,7 @@ impl Cylinder {
         let toward = unit("toward", toward)?;
         let across = toward - self.axis * toward.dot(self.axis);
         if across.length() < 1e-9 {
-            return Err(ShapeError::NoDirection { field: "toward" });
+            return Err(ShapeError::AlongAxis { field: "toward" });
         }
         if !(arc > 0.0 && arc <= 1.0) {
             return Err(ShapeError::NotAShare { field: "arc", said: arc });
@@ -229,7 +229,7 @@ mod tests {
         assert!(matches!(SphereCap::new(ball, DVec3::Z, 1.5), Err(ShapeError::TooWide { field: "rim_radius", .. })));
         assert!(SphereCap::new(ball, DVec3::ZERO, 0.5).is_err() && SphereCap::new(ball, DVec3::Z, 0.0).is_err());
         let wall = Cylinder::new(DVec3::ZERO, DVec3::Z, 1.0, 1.0).unwrap();
-        assert!(matches!(wall.part(DVec3::Z, 0.5), Err(ShapeError::NoDirection { field: "toward" })));
+        assert!(matches!(wall.part(DVec3::Z, 0.5), Err(ShapeError::AlongAxis { field: "toward" })));
         for arc in [0.0, -0.1, 1.1, f64::NAN] {
             assert!(matches!(wall.part(DVec3::X, arc), Err(ShapeError::NotAShare { field: "arc", .. })));
         }

@@ -45,6 +45,8 @@ pub enum ShapeError {
     NoTriangles,
     #[error("{field} is {said}; at most {most} (metres) is accepted, where the sphere is widest")]
     TooWide { field: &'static str, said: f64, most: f64 },
+    #[error("{field} points along the axis; it needs a part across it")]
+    AlongAxis { field: &'static str },
     #[error("{field} is {said}; it is a share, greater than 0 and at most 1")]
     NotAShare { field: &'static str, said: f64 },
 }
@@ -57,6 +59,7 @@ impl ShapeError {
             | Self::NotPositive { field, .. }
             | Self::NoDirection { field }
             | Self::TooWide { field, .. }
+            | Self::AlongAxis { field }
             | Self::NotAShare { field, .. } => Some(field),
             Self::NotPerpendicular { .. } => Some("edge_v"),
             Self::TooFewVertices { .. }
