@@ -4,6 +4,7 @@
 
 mod frame;
 mod mesh;
+pub mod parametrisation;
 pub mod partition;
 mod polygon;
 mod shape;
@@ -11,6 +12,7 @@ pub mod solid_angle;
 
 pub use frame::Frame;
 pub use mesh::Mesh;
+pub use parametrisation::{Isoline, MapTriangle, Parametrisation, ParametrisationError, Texel, TexelGrid};
 pub use partition::Partition;
 pub use polygon::Polygon;
 pub use shape::{Disk, Rectangle, Shape, ShapeError, Sphere, Triangle};
