@@ -40,13 +40,17 @@ impl Parametrisation {
             Chart::Rectangle(plane) => Some(Isoline::Segment([plane.at(0.0, t), plane.at(1.0, t)])),
             Chart::Triangle { .. } => self.across_triangle(1, t),
             Chart::Disk { center, zero, quarter, radius } => {
-                let circle = Isoline::Circle { center: *center, normal: zero.cross(*quarter), radius: radius * t.sqrt() };
+                let circle =
+                    Isoline::Circle { center: *center, normal: zero.cross(*quarter), radius: radius * t.sqrt() };
                 (t > 0.0).then_some(circle)
             }
             Chart::Sphere { center, north, radius, .. } => {
                 let (sin, cos) = libm::sincos(PI * t);
-                let circle =
-                    Isoline::Circle { center: *center - *north * (cos * radius), normal: *north, radius: radius * sin };
+                let circle = Isoline::Circle {
+                    center: *center - *north * (cos * radius),
+                    normal: *north,
+                    radius: radius * sin,
+                };
                 (t > 0.0 && t < 1.0).then_some(circle)
             }
         }

@@ -24,7 +24,9 @@ fn parametrisation() -> impl Strategy<Value = Parametrisation> {
                 0 => Parametrisation::rectangle(&Rectangle::new(center, u, v).ok()?),
                 1 => Parametrisation::disk(&Disk::new(center, axis, a).ok()?, Some(other)).ok()?,
                 2 => Parametrisation::sphere(&Sphere::new(center, a).ok()?, axis, other).ok()?,
-                3 => Parametrisation::triangle([center, center + u, center + other], MapTriangle::HALF_SQUARE).ok()?,
+                3 => {
+                    Parametrisation::triangle([center, center + u, center + other], MapTriangle::HALF_SQUARE).ok()?
+                }
                 _ => {
                     let vertices = [center, center + u, center + other];
                     Parametrisation::triangle(vertices, MapTriangle::similar_to(vertices).ok()?).ok()?
