@@ -11,6 +11,7 @@ use super::place::Place;
 use super::schema::{self, Table};
 use crate::configuration::ConfigurationError;
 use crate::geometry::ShapeError;
+use crate::radiometry::RadiometryError;
 
 /// One thing that is wrong with a case file.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -55,6 +56,8 @@ pub enum CaseError {
     TooMany { what: &'static str, said: u128, limit: u64 },
     #[error("[{table}]: {error}")]
     Shape { table: &'static str, error: ShapeError },
+    #[error("[{table}]: {error}")]
+    Lamp { table: &'static str, error: RadiometryError },
     #[error("[{table}]: the area is {said:e} m²; {:e} to {:e} m² is accepted", schema::MIN_AREA, schema::MAX_MAGNITUDE * schema::MAX_MAGNITUDE)]
     Area { table: &'static str, said: f64 },
     #[error("`{file}` {fault}")]
@@ -134,6 +137,7 @@ impl CaseError {
             CaseError::Twice { .. } => "second time",
             CaseError::TooMany { .. } => "too many",
             CaseError::Shape { .. } | CaseError::Area { .. } => "impossible shape",
+            CaseError::Lamp { .. } => "out of range",
             CaseError::MeshFile { .. } | CaseError::Mesh { .. } => "cannot be used",
             CaseError::NoReceiverShape { .. } => "no shape",
             CaseError::SecondReceiverShape { .. } => "second shape",
@@ -143,7 +147,13 @@ impl CaseError {
                 ConfigurationError::NoSource => "no source",
                 ConfigurationError::NothingToMeasure => "nothing to measure",
                 ConfigurationError::PointOnSurface { .. } => "measured here",
-                ConfigurationError::Albedo { .. } | ConfigurationError::Exitance { .. } => "out of range",
+                ConfigurationError::Albedo { .. }
+                | ConfigurationError::Exitance { .. }
+                | ConfigurationError::Reflectance { .. }
+                | ConfigurationError::Ior { .. } => "out of range",
+                ConfigurationError::GlassOverlap { .. } => "cuts into another",
+                ConfigurationError::OutsideEnclosure { .. } => "out of the enclosure",
+                ConfigurationError::CurvedBefore { .. } => "may hide a source",
                 ConfigurationError::OffReceiver { .. } => "off the receiver",
                 _ => "",
             },

@@ -10,6 +10,15 @@ macro_rules! embedded {
 
 /// Every file below `cases/`, sorted by name; a test compares the list with the folder.
 static FILES: &[(&str, &[u8])] = embedded![
+    "caustic/ball-on-a-globe.toml",
+    "caustic/cup.toml",
+    "caustic/glass-ball.toml",
+    "caustic/mirror-ring.toml",
+    "caustic/paraboloid.toml",
+    "caustic/plane-mirror.toml",
+    "caustic/plano-convex.toml",
+    "caustic/slab.toml",
+    "caustic/spherical-mirror.toml",
     "direct/diffuser-box.toml",
     "direct/disk-over-plane.toml",
     "direct/disk-receiver.toml",
@@ -66,8 +75,20 @@ impl Shipped {
     }
 }
 
-/// All shipped cases, sorted by name.
+/// The chapters whose light takes a bend: rays from the light measure them, and a run of the estimators does not.
+const BENT: [&str; 1] = ["caustic/"];
+
+/// The shipped cases that the estimators of direct light measure, sorted by name.
 pub fn shipped() -> impl Iterator<Item = Shipped> {
+    all().filter(|case| !BENT.iter().any(|chapter| case.path.starts_with(chapter)))
+}
+
+/// The shipped cases whose light takes a bend ([`crate::light`]), sorted by name.
+pub fn shipped_caustics() -> impl Iterator<Item = Shipped> {
+    all().filter(|case| BENT.iter().any(|chapter| case.path.starts_with(chapter)))
+}
+
+fn all() -> impl Iterator<Item = Shipped> {
     FILES.iter().filter(|(path, _)| path.ends_with(".toml")).map(|(path, bytes)| Shipped {
         path,
         text: std::str::from_utf8(bytes).expect("the shipped cases are text; a test reads them"),

@@ -166,6 +166,16 @@ impl<'t> Node<'t> {
         text
     }
 
+    /// true or false.
+    pub(super) fn flag(&self, key: &Key, log: &mut Log) -> Option<bool> {
+        let value = self.value(key, log)?;
+        let flag = value.get_ref().as_bool();
+        if flag.is_none() {
+            self.refuse_type(key, value, key.value.expected(), log);
+        }
+        flag
+    }
+
     /// A finite number of ordinary size.
     pub(super) fn number(&self, key: &Key, log: &mut Log) -> Option<f64> {
         let value = self.value(key, log)?;

@@ -135,7 +135,7 @@ pub(super) fn is_annular(sources: &[Seen]) -> bool {
 impl Oracle {
     /// Prepares all shapes once, for any number of points.
     pub fn new(configuration: &Configuration) -> Oracle {
-        let shapes = || configuration.sources().iter().map(Source::shape).chain(configuration.occluders());
+        let shapes = || configuration.sources().iter().map(Source::shape).chain(configuration.blockers());
         let largest = shapes()
             .map(|shape| {
                 let (low, high) = shape.bounds();
@@ -151,7 +151,7 @@ impl Oracle {
             Some(Emitter { body, chart: Chart::of(shape)?, area: shape.area(), exitance })
         };
         let of_occluder = |(i, shape)| Body::of_shape(shape, scale).into_iter().map(move |body| (body, i));
-        let (occluders, occluder_of) = configuration.occluders().iter().enumerate().flat_map(of_occluder).unzip();
+        let (occluders, occluder_of) = configuration.blockers().iter().enumerate().flat_map(of_occluder).unzip();
         Oracle {
             scale,
             sources: configuration.sources().iter().filter_map(emitter).collect(),

@@ -4,10 +4,11 @@ use std::path::Path;
 
 use etendue::case::{
     Case, CaseError, CaseErrors, Ink, MeshFileFault, Mistake, Replicates, SelectError, Study, obj::ObjError, select,
-    shipped,
+    shipped, shipped_caustics,
 };
-use etendue::configuration::{Arrangement, ConfigurationError};
-use etendue::geometry::{Shape, ShapeError};
+use etendue::configuration::{Arrangement, ConfigurationError, GlassShape, Mirror, MirrorShape};
+use etendue::geometry::{DVec3, Shape, ShapeError};
+use etendue::light::{Aim, LightSettings, Rings, Split};
 use etendue::sampling;
 use proptest::prelude::*;
 
@@ -436,23 +437,147 @@ fn settings_that_make_no_sense_are_refused() {
 
 #[test]
 fn what_later_versions_will_read_is_named() {
-    for (text, key, line, column) in [
-        ("[[source.point]]\nposition=[0,0,1]\npower=1\n", "source.point", 1, 10),
-        ("[[source.beam]]\nradius=1\n", "source.beam", 1, 10),
-        ("[[source.mesh]]\nfile=\"a.obj\"\n", "source.mesh", 1, 10),
-        ("[[mirror.disk]]\nreflectance=0.9\n", "mirror", 1, 3),
-        ("[[glass.sphere]]\nior=1.5\n", "glass", 1, 3),
-        ("[[diffuse.sphere]]\nalbedo=0.8\n", "diffuse", 1, 3),
-    ] {
-        let found = mistakes(&format!("{text}{SOUND}").replace("title = \"sound\"\n", ""));
-        let [mistake] = found.mistakes() else { panic!("{found}") };
-        assert_eq!(told(mistake), (line, column, &CaseError::NotYet { key: key.into() }));
-        assert!(mistake.error.to_string().ends_with("is not supported by this version yet"));
-    }
+    let found = mistakes(&format!("[[source.mesh]]\nfile=\"a.obj\"\n{SOUND}").replace("title = \"sound\"\n", ""));
+    let [mistake] = found.mistakes() else { panic!("{found}") };
+    assert_eq!(told(mistake), (1, 10, &CaseError::NotYet { key: "source.mesh".into() }));
+    assert!(mistake.error.to_string().ends_with("is not supported by this version yet"));
     let texture = broken("albedo = 0.5", "albedo = { texture = \"a.png\" }");
     assert_eq!(told(&texture), (15, 10, &CaseError::NotYet { key: "receiver.albedo as a table".into() }));
     let field = broken("exitance = 2", "exitance = { polynomial = [[1.0]] }");
     assert_eq!(told(&field), (11, 12, &CaseError::NotYet { key: "source.rectangle.exitance as a table".into() }));
+}
+
+/// Light that takes a bend, all kinds once.
+const BENT: &str = r#"[[source.point]]
+position = [0.0, 0.0, 5.0]
+power = 2.0
+[[source.beam]]
+center = [0.0, 0.0, 4.0]
+direction = [0.0, 0.0, -2.0]
+radius = 0.5
+irradiance = 3.0
+[[mirror.sphere]]
+center = [0.0, 0.0, 9.0]
+radius = 1.0
+axis = [0.0, 0.0, 1.0]
+rim_radius = 0.5
+reflectance = 0.9
+[[mirror.cylinder]]
+center = [9.0, 0.0, 0.0]
+axis = [0.0, 0.0, 1.0]
+radius = 2.0
+height = 1.0
+toward = [1.0, 0.0, 0.0]
+arc = 0.25
+reflectance = 1
+[[mirror.paraboloid]]
+vertex = [0.0, 9.0, 0.0]
+axis = [0.0, 0.0, 1.0]
+focal_length = 0.5
+rim_radius = 0.75
+reflectance = 0.5
+[[glass.slab]]
+center = [0.0, 0.0, 1.0]
+edge_u = [4.0, 0.0, 0.0]
+edge_v = [0.0, 4.0, 0.0]
+thickness = 0.125
+ior = 1.5
+[[glass.plano_convex]]
+vertex = [0.0, 0.0, 2.0]
+axis = [0.0, 0.0, 1.0]
+curvature_radius = 4.0
+rim_radius = 0.625
+ior = 1.25
+[[diffuse.sphere]]
+center = [1.0, 0.0, 0.0]
+radius = 50.0
+albedo = 0.8
+exitance = 0.5
+inward = true
+[receiver.disk]
+center = [0.0, 0.0, 0.0]
+normal = [0.0, 0.0, 1.0]
+radius = 3.0
+[light]
+rays = 1000
+map = [32, 16]
+depth = 5
+aim = "nowhere"
+split = "both"
+rings = { center = [0.0, 0.0, 0.0], radius = 1.5, count = 3 }
+"#;
+
+#[test]
+fn lamps_and_optics_are_read() {
+    let case = Case::from_toml("bent", BENT).unwrap_or_else(|mistakes| panic!("{mistakes}"));
+    let room = &case.configuration;
+    assert_eq!((room.lamps().len(), room.mirrors().len(), room.glass().len()), (2, 3, 2));
+    assert_eq!(room.lamps()[0].power(), 2.0);
+    assert_eq!(room.mirrors().iter().map(Mirror::reflectance).collect::<Vec<_>>(), [0.9, 1.0, 0.5]);
+    assert!(matches!(room.mirrors()[0].shape(), MirrorShape::SphereCap(cap) if cap.rim_radius() == 0.5));
+    assert!(matches!(room.mirrors()[1].shape(), MirrorShape::Cylinder(wall) if wall.arc() == 0.25));
+    assert!(matches!(room.mirrors()[2].shape(), MirrorShape::Paraboloid(dish) if dish.focal_length() == 0.5));
+    assert!(matches!(room.glass()[0].shape(), GlassShape::Slab(slab) if slab.thickness() == 0.125));
+    assert!(matches!(room.glass()[1].shape(), GlassShape::PlanoConvex(lens) if lens.curvature_radius() == 4.0));
+    assert!(room.diffuse()[0].is_inward() && room.diffuse()[0].albedo().ratio() == 0.8);
+    assert!(room.points().is_empty(), "a map is measurement enough");
+    let rings = Some(Rings { center: DVec3::ZERO, radius: 1.5, count: 3 });
+    let (aim, split) = (Aim::Nowhere, Split::Both);
+    assert_eq!(case.light, LightSettings { rays: 1000, map: [32, 16], depth: 5, aim, split, rings });
+    let plain = Case::from_toml("plain", SOUND).unwrap();
+    assert_eq!(plain.light, LightSettings::default());
+}
+
+#[test]
+fn what_is_wrong_with_optics_is_told_in_its_place() {
+    for (from, to, at, words) in [
+        ("reflectance = 0.9", "reflectance = 1.1", "1.1", "reflectance is 1.1; it lies between 0 and 1"),
+        ("reflectance = 0.9", "reflectance = nan", "nan", "every number is finite"),
+        ("ior = 1.5", "ior = 0.9", "0.9", "ior is 0.9; an index of refraction is finite, 1 or greater"),
+        ("ior = 1.5", "ior = nan", "nan", "every number is finite"),
+        ("power = 2.0", "power = -2.0", "-2.0", "the power is -2 W"),
+        ("irradiance = 3.0", "irradiance = -3.0", "-3.0", "the irradiance is -3 W/m²"),
+        ("direction = [0.0, 0.0, -2.0]", "direction = [0, 0, 0]", "[0, 0, 0]", "direction is the zero vector"),
+        ("rim_radius = 0.5\n", "rim_radius = 1.5\n", "1.5", "at most 1 (metres)"),
+        ("rim_radius = 0.625", "rim_radius = 4.5", "4.5", "at most 4 (metres)"),
+        ("rim_radius = 0.5\n", "", "[[mirror.sphere]]", "lacks the key `rim_radius`"),
+        ("arc = 0.25", "arc = 1.25", "1.25", "arc is 1.25; it is a share"),
+        ("toward = [1.0, 0.0, 0.0]", "toward = [0.0, 0.0, 1.0]", "[0.0, 0.0, 1.0]", "toward points along the axis"),
+        ("toward = [1.0, 0.0, 0.0]\n", "", "[[mirror.cylinder]]", "lacks the key `toward`"),
+        ("thickness = 0.125", "thickness = 0", "0", "thickness is 0; it is greater than zero"),
+        ("focal_length = 0.5", "focal_length = -0.5", "-0.5", "focal_length is -0.5; it is greater than zero"),
+        ("albedo = 0.8", "albedo = 1.5", "1.5", "albedo is 1.5"),
+        ("exitance = 0.5", "exitance = -0.5", "-0.5", "exitance is -0.5"),
+        ("inward = true", "inward = 1", "1", "true or false is accepted"),
+        ("vertex = [0.0, 0.0, 2.0]", "vertex = [0.0, 0.0, 1.03]", "[[glass.plano_convex]]", "cut into each other"),
+        ("radius = 50.0", "radius = 9.5", "[[mirror.sphere]]", "reaches out of the enclosure"),
+        ("aim = \"nowhere\"", "aim = \"optic\"", "\"optic\"", "accepted: optics, nowhere"),
+        ("split = \"both\"", "split = \"all\"", "\"all\"", "accepted: one, both"),
+        ("map = [32, 16]", "map = [4096, 4096]", "[4096, 4096]", "16777216 texels"),
+        ("map = [32, 16]", "map = [32]", "[32]", "2 are accepted"),
+        ("depth = 5", "depth = 1000", "1000", "from 0 to 256"),
+        ("rays = 1000", "rays = 0", "0", "from 1 to"),
+        ("count = 3", "count = 0", "0", "from 1 to 4096"),
+        ("radius = 1.5,", "radius = 0.0,", "0.0", "greater than 0"),
+    ] {
+        assert_eq!(BENT.matches(from).count(), 1, "{from} stands there once");
+        let found = mistakes(&BENT.replace(from, to));
+        let mistake = &found.mistakes()[0];
+        assert!(mistake.error.to_string().contains(words), "{to}: {mistake}");
+        assert_eq!(found.underlined(mistake), at, "{to}: {mistake}");
+    }
+    // Curved optics hide sources with area in no closed form.
+    let area = "[[source.disk]]\ncenter = [0.0, 0.0, 8.0]\nnormal = [0.0, 0.0, -1.0]\nradius = 0.5\nexitance = 1.0\n";
+    let measured = format!("{area}{BENT}[[measure.point]]\nposition = [0.0, 0.0, 0.5]\nnormal = [0.0, 0.0, 1.0]\n");
+    let found = mistakes(&measured);
+    let [mistake] = found.mistakes() else { panic!("{found}") };
+    assert_eq!(found.underlined(mistake), "[[glass.plano_convex]]", "{found}");
+    assert!(mistake.error.to_string().contains("no closed form"), "{mistake}");
+    // Beside it, the point is measured.
+    let beside = measured.replace("position = [0.0, 0.0, 0.5]", "position = [20.0, 0.0, 0.5]");
+    assert!(Case::from_toml("beside", &beside).is_ok());
+    let alone = "[[mirror.disk]]\ncenter=[0,0,0]\nnormal=[0,0,1]\nradius=1\nreflectance=0.9\n";
+    assert_eq!(mistakes(alone).mistakes().len(), 2, "no source, and nothing to measure");
 }
 
 #[test]
@@ -588,7 +713,9 @@ fn all_shipped_cases_are_sound() {
         assert!(read.configuration.points().len() <= 65);
     }
     let on_disk = Case::read_folder(&Path::new(env!("CARGO_MANIFEST_DIR")).join("cases")).unwrap();
-    let embedded = select(&[]).unwrap();
+    let mut embedded = select(&[]).unwrap();
+    embedded.extend(shipped_caustics().map(|case| case.read().unwrap_or_else(|mistakes| panic!("{mistakes}"))));
+    embedded.sort_by(|a, b| a.name.cmp(&b.name));
     assert_eq!(on_disk.len(), embedded.len(), "the program holds what the folder holds");
     for (on_disk, embedded) in on_disk.iter().zip(&embedded) {
         // All but the selector, which says where each was found.

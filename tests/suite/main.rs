@@ -14,6 +14,7 @@ mod first_met;
 mod gauss;
 mod icosphere;
 mod laws;
+mod light;
 mod meshes;
 mod optics;
 mod papers;
