@@ -48,7 +48,7 @@ pub use error::{CaseError, CaseErrors, MeshFileFault, Mistake};
 pub use place::Place;
 pub use render::Ink;
 pub use select::{SelectError, Unmatched, select};
-pub use shipped::{Shipped, shipped, shipped_caustics};
+pub use shipped::{Shipped, shipped, shipped_caustics, shipped_direct};
 #[cfg(feature = "cli")]
 pub(crate) use spelling::nearest;
 pub use study::{Accepted, PROPERTIES, Replicates, SmallestBias, Study};
@@ -72,7 +72,14 @@ impl Case {
     /// A case described in code. Its name stands in for a selector in messages and commands.
     pub fn new(name: &str, title: &str, configuration: Configuration, study: Study) -> Case {
         let light = LightSettings::default();
-        Case { name: name.to_owned(), selector: name.to_owned(), title: title.to_owned(), configuration, study, light }
+        Case {
+            name: name.to_owned(),
+            selector: name.to_owned(),
+            title: title.to_owned(),
+            configuration,
+            study,
+            light,
+        }
     }
 
     /// A case from text alone; it cannot name a mesh.

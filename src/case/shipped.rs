@@ -79,16 +79,17 @@ impl Shipped {
 const BENT: [&str; 1] = ["caustic/"];
 
 /// The shipped cases that the estimators of direct light measure, sorted by name.
-pub fn shipped() -> impl Iterator<Item = Shipped> {
-    all().filter(|case| !BENT.iter().any(|chapter| case.path.starts_with(chapter)))
+pub fn shipped_direct() -> impl Iterator<Item = Shipped> {
+    shipped().filter(|case| !BENT.iter().any(|chapter| case.path.starts_with(chapter)))
 }
 
 /// The shipped cases whose light takes a bend ([`crate::light`]), sorted by name.
 pub fn shipped_caustics() -> impl Iterator<Item = Shipped> {
-    all().filter(|case| BENT.iter().any(|chapter| case.path.starts_with(chapter)))
+    shipped().filter(|case| BENT.iter().any(|chapter| case.path.starts_with(chapter)))
 }
 
-fn all() -> impl Iterator<Item = Shipped> {
+/// All shipped cases, sorted by name.
+pub fn shipped() -> impl Iterator<Item = Shipped> {
     FILES.iter().filter(|(path, _)| path.ends_with(".toml")).map(|(path, bytes)| Shipped {
         path,
         text: std::str::from_utf8(bytes).expect("the shipped cases are text; a test reads them"),

@@ -61,7 +61,7 @@ fn run_to_end(options: &Run) -> Result<u8, u8> {
     let layout = TableOptions { styled, width: terminal_width(), report: Some(&options.out), quiet: options.quiet };
     let table = report::table(&outcome, &layout);
     print(&table)?;
-    let verdicts = || outcome.cases.iter().flat_map(|case| &case.strategies).flat_map(|s| &s.verdicts);
+    let verdicts = || outcome.cases.iter().flat_map(|case| case.verdicts().map(|(_, judged)| judged));
     let any = |verdict| verdicts().any(|judged| judged.verdict == verdict);
     Ok(if any(Verdict::Fail) {
         exit::FAILED

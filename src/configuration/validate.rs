@@ -151,7 +151,8 @@ fn outside_enclosures(room: &Contents, found: &mut Vec<ConfigurationError>) {
             super::Lamp::Point(lamp) => ("lamp", i, vec![(lamp.position(), 0.0)]),
             super::Lamp::Beam(lamp) => ("lamp", i, vec![(lamp.center(), lamp.radius())]),
         }));
-        balls.extend(room.points.iter().enumerate().map(|(i, p)| ("measurement point", i, vec![(p.position(), 0.0)])));
+        balls
+            .extend(room.points.iter().enumerate().map(|(i, p)| ("measurement point", i, vec![(p.position(), 0.0)])));
         let outside = balls.iter().filter(|(_, _, balls)| !balls.iter().all(|(c, r)| enclosure.encloses(*c, *r)));
         found.extend(outside.map(|(role, index, _)| ConfigurationError::OutsideEnclosure { role, index: *index }));
     }
@@ -179,9 +180,8 @@ fn curved_before_sources(room: &Contents, found: &mut Vec<ConfigurationError>) {
     for (role, index, kind, ball) in mirrors.chain(glass) {
         for (source_index, emitter) in emitters.iter().enumerate() {
             let points = room.points.iter().enumerate();
-            let mut behind = points
-                .filter(|(_, at)| may_stand_between(at.position(), *emitter, ball))
-                .map(|(point, _)| point);
+            let mut behind =
+                points.filter(|(_, at)| may_stand_between(at.position(), *emitter, ball)).map(|(point, _)| point);
             if let Some(point) = behind.next() {
                 let others = behind.count();
                 let error = ConfigurationError::CurvedBefore { point, others, role, index, kind, source_index };
@@ -278,7 +278,7 @@ fn on_polygon(point: DVec3, polygon: &Polygon, reach: f64) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::configuration::{Arrangement, MeasurementPoint, Source};
+    use crate::configuration::{Arrangement, Configuration, MeasurementPoint, Source};
     use crate::geometry::{Disk, Mesh, Rectangle, Sphere};
     use crate::radiometry::Exitance;
 

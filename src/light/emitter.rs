@@ -22,10 +22,23 @@ pub(super) struct Emitter {
 }
 
 enum Kind {
-    Point { position: DVec3, cones: Vec<Cone> },
-    Beam { center: DVec3, radius: f64, frame: Frame, spots: Vec<Spot> },
+    Point {
+        position: DVec3,
+        cones: Vec<Cone>,
+    },
+    Beam {
+        center: DVec3,
+        radius: f64,
+        frame: Frame,
+        spots: Vec<Spot>,
+    },
     /// `side`: 1 outwards, −1 for the inside of an enclosure.
-    Area { surface: Surface, start: Start, side: f64, targets: Vec<Target> },
+    Area {
+        surface: Surface,
+        start: Start,
+        side: f64,
+        targets: Vec<Target>,
+    },
 }
 
 /// Scratch of one batch.
@@ -155,4 +168,3 @@ impl Emitter {
         }
     }
 }
-

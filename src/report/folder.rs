@@ -15,8 +15,16 @@ pub(super) const PLOTS: &str = "plots";
 const PARTIAL: &str = "partial";
 
 /// Files that lie directly in the folder.
-pub(super) const FILES: [&str; 6] =
-    ["convergence.csv", "rates.csv", "correlation.csv", "verdicts.csv", "timings.csv", "manifest.json"];
+pub(super) const FILES: [&str; 8] = [
+    "convergence.csv",
+    "rates.csv",
+    "correlation.csv",
+    "energy.csv",
+    "caustic.csv",
+    "verdicts.csv",
+    "timings.csv",
+    "manifest.json",
+];
 
 /// A case's name may fill this much of a file name, bytes.
 #[cfg(feature = "plots")]

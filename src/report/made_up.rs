@@ -249,6 +249,7 @@ fn case_outcome(name: &str, title: &str, arrangement: Arrangement) -> CaseOutcom
         points,
         truths,
         strategies,
+        light: None,
         timings: vec![Timing { stage: "exact", rays: 65, seconds: 2.1e-4, efficiency: None }],
     }
 }

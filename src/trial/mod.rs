@@ -8,6 +8,7 @@ mod accept;
 mod correlation;
 mod forecast;
 mod judge;
+mod light;
 mod measure;
 mod outcome;
 mod plan;
@@ -23,7 +24,8 @@ mod spread;
 
 pub use forecast::{Forecast, forecast};
 pub use outcome::{
-    CaseOutcome, Cell, Correlation, JudgedProperty, Measured, Rate, RatePoint, RunOutcome, StrategyOutcome, Timing,
+    CaseOutcome, CausticBin, Cell, Correlation, JudgedProperty, LightOutcome, LightRow, Measured, Rate, RatePoint,
+    RunOutcome, StrategyOutcome, Timing,
 };
 pub use repeat::Repeated;
 pub use run::{Maker, Progress, TrialError, run, run_with};

@@ -9,6 +9,7 @@ use thiserror::Error;
 use super::accept::accept;
 use super::correlation::correlations;
 use super::judge;
+use super::light::light;
 use super::measure::{CellSums, Prepared, measure};
 use super::outcome::{CaseOutcome, Cell, Measured, RunOutcome, StrategyOutcome, Timing};
 use super::plan::{CellPlan, pilot_replicates};
@@ -16,7 +17,7 @@ use super::predict::CellPrediction;
 use super::rare::is_rare;
 use super::rates::rates;
 use super::ready::Ready;
-use super::settings::Settings;
+use super::settings::{Effort, Settings};
 use super::spread;
 use crate::case::{Case, Study};
 use crate::configuration::{Configuration, MeasurementPoint};
@@ -89,7 +90,31 @@ fn run_case(
     progress: &(dyn Fn(Progress) + Sync),
 ) -> Result<CaseOutcome, TrialError> {
     let study = settings.study(&case.study);
-    from_ready(&Ready::new(case, &study, make), &study, settings, None, progress)
+    let mut outcome = if case.configuration.points().is_empty() || case.configuration.sources().is_empty() {
+        unmeasured(case)
+    } else {
+        from_ready(&Ready::new(case, &study, make), &study, settings, None, progress)?
+    };
+    let reproduce = settings.command(&[&case.selector], None);
+    let quick = settings.effort == Effort::Quick;
+    outcome.light = light(case, settings.seed, quick, study.smallest_bias, &reproduce);
+    Ok(outcome)
+}
+
+/// A case in which no light comes straight from a surface to a point: lamps alone, or nothing to measure.
+fn unmeasured(case: &Case) -> CaseOutcome {
+    CaseOutcome {
+        name: case.name.clone(),
+        title: case.title.clone(),
+        digest: case.configuration.digest(),
+        arrangement: case.configuration.arrangement(),
+        albedo: case.configuration.albedo(),
+        points: Vec::new(),
+        truths: Vec::new(),
+        strategies: Vec::new(),
+        light: None,
+        timings: Vec::new(),
+    }
 }
 
 /// Measures and judges a case that was made ready for this study.
@@ -126,6 +151,7 @@ pub(super) fn from_ready(
         points: case.configuration.points().to_vec(),
         truths: ready.truths.clone(),
         strategies,
+        light: None,
         timings,
     })
 }

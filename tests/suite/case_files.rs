@@ -4,7 +4,7 @@ use std::path::Path;
 
 use etendue::case::{
     Case, CaseError, CaseErrors, Ink, MeshFileFault, Mistake, Replicates, SelectError, Study, obj::ObjError, select,
-    shipped, shipped_caustics,
+    shipped, shipped_direct,
 };
 use etendue::configuration::{Arrangement, ConfigurationError, GlassShape, Mirror, MirrorShape};
 use etendue::geometry::{DVec3, Shape, ShapeError};
@@ -704,18 +704,16 @@ fn a_mesh_that_cannot_be_used_is_told() {
 
 #[test]
 fn all_shipped_cases_are_sound() {
-    let names: Vec<_> = shipped().map(|case| case.name()).collect();
+    let names: Vec<_> = shipped_direct().map(|case| case.name()).collect();
     assert!(names.len() >= 18 && names.is_sorted(), "{names:?}");
-    for case in shipped() {
+    for case in shipped_direct() {
         let read = case.read().unwrap_or_else(|mistakes| panic!("{mistakes}"));
         assert_eq!(read.study, Study::default(), "{}: shipped cases study by default", case.name());
         assert!(case.text().starts_with("# "), "{} opens with what it shows", case.name());
         assert!(read.configuration.points().len() <= 65);
     }
     let on_disk = Case::read_folder(&Path::new(env!("CARGO_MANIFEST_DIR")).join("cases")).unwrap();
-    let mut embedded = select(&[]).unwrap();
-    embedded.extend(shipped_caustics().map(|case| case.read().unwrap_or_else(|mistakes| panic!("{mistakes}"))));
-    embedded.sort_by(|a, b| a.name.cmp(&b.name));
+    let embedded = select(&[]).unwrap();
     assert_eq!(on_disk.len(), embedded.len(), "the program holds what the folder holds");
     for (on_disk, embedded) in on_disk.iter().zip(&embedded) {
         // All but the selector, which says where each was found.

@@ -2,6 +2,7 @@
 
 mod calibration;
 mod case_files;
+mod caustics;
 mod certified;
 mod closed_forms;
 #[cfg(feature = "cli")]

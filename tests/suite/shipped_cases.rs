@@ -1,9 +1,9 @@
-//! The shipped cases show what their comments say: the borders of umbra and penumbra lie where they are said to lie.
+//! The shipped cases of direct light show what their comments say: the borders of umbra and penumbra lie where they are said to lie.
 //!
 //! What a point sees is counted here by brute force over a lattice of source points, with plain segment tests that are
 //! used nowhere else. Form factors are the plain sum over the same lattice.
 
-use etendue::case::{Case, shipped};
+use etendue::case::{Case, shipped_direct};
 use etendue::configuration::{Configuration, MeasurementPoint};
 use etendue::geometry::{DVec3, Shape};
 
@@ -169,7 +169,7 @@ fn umbra_and_penumbra_lie_where_the_files_say() {
     let tabled = BORDERS.iter().map(|(name, _)| *name).chain(ELSEWHERE);
     let mut tabled: Vec<_> = tabled.collect();
     tabled.sort();
-    assert_eq!(shipped().map(|case| case.name()).collect::<Vec<_>>(), tabled, "every case has its row");
+    assert_eq!(shipped_direct().map(|case| case.name()).collect::<Vec<_>>(), tabled, "every case has its row");
     for (name, borders) in BORDERS {
         let case = read(name);
         for point in case.configuration.points() {
@@ -279,6 +279,6 @@ fn form_factors_are_those_of_the_files() {
 }
 
 fn read(name: &str) -> Case {
-    let case = shipped().find(|case| case.name() == name).unwrap_or_else(|| panic!("{name} is not shipped"));
+    let case = shipped_direct().find(|case| case.name() == name).unwrap_or_else(|| panic!("{name} is not shipped"));
     case.read().unwrap_or_else(|mistakes| panic!("{mistakes}"))
 }

@@ -30,6 +30,7 @@ mod exchange;
 pub mod faces;
 mod fan;
 mod lampshade;
+mod layout;
 mod lens;
 mod mirror;
 mod nodes;
@@ -53,6 +54,7 @@ pub use disks::CoaxialDisks;
 pub use exchange::Which;
 pub use faces::{Loss, Polarised};
 pub use lampshade::Lampshade;
+pub use layout::{CausticLayout, power_by_flat_mirror};
 pub use mirror::{MirrorOracle, MirrorTruth, PlaneMirror};
 pub use rectangles::FacingRectangles;
 

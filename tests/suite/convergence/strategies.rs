@@ -113,7 +113,6 @@ fn uniform_jitter_falls_back_on_a_square_source_with_one_straight_edge() {
         samples: Some(vec![16, 64, 256, 1024]),
         replicates: Some(etendue::case::Replicates::Fixed(1024)),
         smallest_bias: Some(COARSE),
-        ..Overrides::default()
     };
     let outcome = study_with(&case, "straight-edge", overrides);
     let slope = |s: usize| {
