@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use super::ReportError;
 
 /// What plots are called after their case: the endings of the files below `plots/`.
-pub(super) const PLOT_KINDS: [&str; 5] = ["variance", "bias", "profile", "map", "correlation"];
+pub(super) const PLOT_KINDS: [&str; 7] = ["variance", "bias", "profile", "map", "correlation", "caustic", "energy"];
 const PLOT_FORMATS: [&str; 2] = ["svg", "png"];
 pub(super) const PLOTS: &str = "plots";
 
