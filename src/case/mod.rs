@@ -82,6 +82,12 @@ impl Case {
         }
     }
 
+    /// Whether there are surfaces that emit and points that look at them. Else there are lamps alone, whose light
+    /// [`crate::light`] follows, or nothing is measured but maps.
+    pub fn measures_direct_light(&self) -> bool {
+        !self.configuration.sources().is_empty() && !self.configuration.points().is_empty()
+    }
+
     /// A case from text alone; it cannot name a mesh.
     pub fn from_toml(name: &str, text: &str) -> Result<Case, CaseErrors> {
         let file = read::CaseFile { path: name, selector: name, name, folder: &folder::Folder::Nowhere, below: name };

@@ -90,10 +90,10 @@ fn run_case(
     progress: &(dyn Fn(Progress) + Sync),
 ) -> Result<CaseOutcome, TrialError> {
     let study = settings.study(&case.study);
-    let mut outcome = if case.configuration.points().is_empty() || case.configuration.sources().is_empty() {
-        unmeasured(case)
-    } else {
+    let mut outcome = if case.measures_direct_light() {
         from_ready(&Ready::new(case, &study, make), &study, settings, None, progress)?
+    } else {
+        unmeasured(case)
     };
     let reproduce = settings.command(&[&case.selector], None);
     let quick = settings.effort == Effort::Quick;
