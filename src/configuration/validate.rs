@@ -278,7 +278,7 @@ fn on_polygon(point: DVec3, polygon: &Polygon, reach: f64) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::configuration::{Arrangement, MeasurementPoint, Source};
+    use crate::configuration::{Arrangement, Configuration, MeasurementPoint, Source};
     use crate::geometry::{Disk, Mesh, Rectangle, Sphere};
     use crate::radiometry::Exitance;
 
