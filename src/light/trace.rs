@@ -27,7 +27,7 @@ pub struct LightRun {
     pub ledger: Ledger,
     /// The receiver's, if there is one, then one for each diffuse surface.
     pub maps: Vec<TexelMap>,
-    /// On the receiver; `None` where the settings name none.
+    /// On the receiver; `None` where the settings name none, or there is no receiver.
     pub rings: Option<RingMap>,
     /// What was deposited by light of each number of interactions, on each map: `[n_maps][depth + 1]`, W.
     orders: Vec<Moments>,
@@ -79,13 +79,15 @@ impl LightTracer {
         let receiver = configuration.receiver().map(|receiver| *receiver.shape());
         let shapes = receiver.into_iter().chain(configuration.diffuse().iter().map(|surface| *surface.shape()));
         let landings = shapes.enumerate().map(|(k, shape)| Landing::new(&shape, grid, k * grid.n_texels())).collect();
+        // Rings lie on the receiver.
+        let rings = settings.rings.filter(|_| configuration.receiver().is_some());
         let mut source_power = Sum::default();
         emitters.iter().for_each(|emitter| source_power += emitter.power);
         LightTracer {
             room,
             emitters,
             landings,
-            settings: settings.clone(),
+            settings: LightSettings { rings, ..settings.clone() },
             source_power: source_power.value(),
             root: StreamKey::root(seed).with(configuration.digest().key()).with(PURPOSE),
         }
