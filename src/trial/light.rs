@@ -298,3 +298,80 @@ fn deviation(claim: &Claim) -> (f64, f64) {
     let error = (claim.statement.variance / n).sqrt();
     if mean > 0.0 { (off / mean, error / mean) } else { (off, error) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::case::shipped_caustics;
+
+    const SMALLEST: SmallestBias = SmallestBias { mean: 1e-2, point: 0.5 };
+
+    fn followed(name: &str) -> (LightRun, Vec<CausticBin>) {
+        let case = shipped_caustics().find(|case| case.name() == name).unwrap().read().unwrap();
+        let settings = LightSettings { rays: 400_000, ..case.light.clone() };
+        let run = trace(&case.configuration, &settings, 11);
+        let bins = bins(&run, &CausticLayout::of(&case.configuration).unwrap());
+        (run, bins)
+    }
+
+    /// What a fault that changes the flux of each packet by a factor would have left.
+    fn spoilt(bins: &[CausticBin], factor: impl Fn(&CausticBin) -> f64) -> Vec<CausticBin> {
+        let spoil = |bin: &CausticBin| {
+            let factor = factor(bin);
+            let mut found = Moments::default();
+            found.flux += factor * bin.found.watts();
+            found.squares = factor * factor * bin.found.squares;
+            CausticBin { measured: factor * bin.measured, found, ..bin.clone() }
+        };
+        bins.iter().map(spoil).collect()
+    }
+
+    fn verdict(run: &LightRun, bins: &[CausticBin]) -> Verdict {
+        caustic(run, bins, SMALLEST, "").unwrap().verdict
+    }
+
+    #[test]
+    fn a_second_cosine_is_found() {
+        let (run, bins) = followed("caustic/slab");
+        assert_ne!(verdict(&run, &bins), Verdict::Fail);
+        // The plate moves the image of the lamp up by a sixth of a metre; it stands some 1.33 m over the receiver.
+        let slanting = |bin: &CausticBin| {
+            let radius = bin.radii.map_or(0.0, |[from, to]| 0.5 * (from + to));
+            1.33 / radius.hypot(1.33)
+        };
+        assert_eq!(verdict(&run, &spoilt(&bins, slanting)), Verdict::Fail);
+    }
+
+    #[test]
+    fn a_lost_branch_is_found() {
+        // Four per cent at each face of glass, taken as let through.
+        for name in ["caustic/glass-ball", "caustic/plano-convex"] {
+            let (run, bins) = followed(name);
+            assert_ne!(verdict(&run, &bins), Verdict::Fail, "{name}");
+            assert_eq!(verdict(&run, &spoilt(&bins, |_| 1.0 / 0.96)), Verdict::Fail, "{name}");
+        }
+    }
+
+    #[test]
+    fn flux_that_lands_a_ring_farther_out_is_found() {
+        let (run, bins) = followed("caustic/paraboloid");
+        assert_ne!(verdict(&run, &bins), Verdict::Fail);
+        let mut moved = bins.clone();
+        for k in 1..bins.len() {
+            (moved[k].found, moved[k].measured) = (bins[k - 1].found, bins[k - 1].measured);
+        }
+        assert_eq!(verdict(&run, &moved), Verdict::Fail);
+    }
+
+    #[test]
+    fn books_that_do_not_balance_fail() {
+        let (run, _) = followed("caustic/glass-ball");
+        let sound = row(&run);
+        assert_eq!(energy(std::slice::from_ref(&sound), "").verdict, Verdict::Pass);
+        let mut short = run.clone();
+        short.ledger.escaped -= 1e-9 * short.ledger.emitted;
+        let judged = energy(&[sound, row(&short)], "");
+        assert_eq!(judged.verdict, Verdict::Fail);
+        assert!(judged.words.contains("unaccounted"), "{}", judged.words);
+    }
+}

@@ -545,7 +545,8 @@ fn optics_stop_direct_light_as_their_outlines_do() {
     use etendue::estimator::{AreaEstimator, Estimator, Job, Scratch};
     use etendue::sampling::{Purpose, Strategy, StreamKey};
 
-    let lamp = || Source::new(Shape::Disk(Disk::new(DVec3::Z * 3.0, -DVec3::Z, 0.6).unwrap()), Exitance::new(2.0)).unwrap();
+    let lamp =
+        || Source::new(Shape::Disk(Disk::new(DVec3::Z * 3.0, -DVec3::Z, 0.6).unwrap()), Exitance::new(2.0)).unwrap();
     let points: Vec<_> =
         (0..9).map(|k| MeasurementPoint::new(DVec3::X * (0.2 * f64::from(k)), DVec3::Z).unwrap()).collect();
     let with = |contents: Contents| {
@@ -584,7 +585,8 @@ fn optics_stop_direct_light_as_their_outlines_do() {
         assert_eq!(exact(optic), exact(occluder));
         assert_eq!(estimates(optic), estimates(occluder));
     }
-    let glowing = DiffuseSurface::new(ReceiverShape::Disk(disk), Albedo::new(0.5), Exitance::new(2.0), false).unwrap();
+    let glowing =
+        DiffuseSurface::new(ReceiverShape::Disk(disk), Albedo::new(0.5), Exitance::new(2.0), false).unwrap();
     let room = with(Contents { diffuse: vec![glowing], ..Contents::default() });
     assert_eq!((room.sources().len(), room.blockers().len()), (2, 0));
 }
