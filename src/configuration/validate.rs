@@ -129,11 +129,14 @@ fn ball_around(shape: &Shape) -> (DVec3, f64) {
     }
 }
 
+/// Centres and radii, metres.
+type Balls = Vec<(DVec3, f64)>;
+
 /// Whatever reaches out of an enclosure.
 fn outside_enclosures(room: &Contents, found: &mut Vec<ConfigurationError>) {
     for enclosure in room.diffuse.iter().filter(|surface| surface.is_inward()) {
         // A flat receiver's or a mesh's bounding sphere may be larger than the enclosure: then its corners decide.
-        let mut balls: Vec<(&'static str, usize, Vec<(DVec3, f64)>)> = Vec::new();
+        let mut balls: Vec<(&'static str, usize, Balls)> = Vec::new();
         let shapes = room.sources.iter().map(|source| source.shape()).enumerate().map(|(i, s)| ("source", i, s));
         let shapes = shapes.chain(room.occluders.iter().enumerate().map(|(i, s)| ("occluder", i, s)));
         balls.extend(shapes.map(|(role, i, shape)| (role, i, extremes(shape))));
@@ -159,7 +162,7 @@ fn outside_enclosures(room: &Contents, found: &mut Vec<ConfigurationError>) {
 }
 
 /// Small spheres whose hull holds a shape: its corners, or one about it.
-fn extremes(shape: &Shape) -> Vec<(DVec3, f64)> {
+fn extremes(shape: &Shape) -> Balls {
     match shape {
         Shape::Rectangle(s) => s.corners().map(|corner| (corner, 0.0)).to_vec(),
         Shape::Polygon(s) => s.vertices().iter().map(|corner| (*corner, 0.0)).collect(),
