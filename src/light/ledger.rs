@@ -7,7 +7,7 @@ use std::ops::AddAssign;
 
 /// A sum whose rounding errors are carried along (Neumaier 1974).
 ///
-/// - error: relative to the sum of sizes, 2⁻⁵³ + n · 2⁻¹⁰⁶
+/// - error: relative to the sum of sizes, 2⁻⁵³ + n² 2⁻¹⁰⁶
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sum {
     sum: f64,

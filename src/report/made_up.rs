@@ -9,13 +9,15 @@ use rand_xoshiro::rand_core::{Rng, SeedableRng};
 
 use crate::configuration::{Arrangement, Configuration, MeasurementPoint, Source};
 use crate::geometry::{Disk, Shape};
+use crate::light::Moments;
 use crate::oracle::{Method, Region, Truth};
 use crate::radiometry::{Albedo, Exitance, FormFactor, Irradiance};
 use crate::sampling::Strategy;
 use crate::statistics::Verdict;
 use crate::statistics::interval::{Interval, Z_95};
 use crate::trial::{
-    CaseOutcome, Cell, Correlation, JudgedProperty, Measured, Rate, RatePoint, RunOutcome, StrategyOutcome, Timing,
+    CaseOutcome, CausticBin, Cell, Correlation, JudgedProperty, LightOutcome, LightRow, Measured, Rate, RatePoint,
+    RunOutcome, StrategyOutcome, Timing,
 };
 
 const SAMPLES: [u64; 6] = [1, 4, 16, 64, 256, 1024];
@@ -249,9 +251,41 @@ fn case_outcome(name: &str, title: &str, arrangement: Arrangement) -> CaseOutcom
         points,
         truths,
         strategies,
-        light: None,
+        light: Some(light()),
         timings: vec![Timing { stage: "exact", rays: 65, seconds: 2.1e-4, efficiency: None }],
     }
+}
+
+/// One budget of rays and one ring.
+fn light() -> LightOutcome {
+    let row = LightRow {
+        rays: 1000,
+        source_power: 2.0,
+        emitted: 2.0,
+        deposited: 1.5,
+        deposited_std_error: Some(0.01),
+        absorbed: 0.25,
+        escaped: 0.25,
+        terminated: 0.0,
+        residual: 0.0,
+        map_integral: 1.5,
+        exact_deposited: None,
+        verdict: Verdict::Pass,
+    };
+    let bin = CausticBin {
+        order: 2,
+        bin: 0,
+        radii: Some([0.0, 0.5]),
+        area: 0.25 * PI,
+        measured: 0.5,
+        std_error: Some(0.01),
+        exact: 0.51,
+        bound: 1e-16,
+        verdict: Verdict::Pass,
+        found: Moments::default(),
+    };
+    let timing = Timing { stage: "light", rays: 1000, seconds: 1e-3, efficiency: None };
+    LightOutcome { rows: vec![row], bins: vec![bin], verdicts: Vec::new(), timing }
 }
 
 /// Three cases: a line, a grid, and scattered points.

@@ -33,7 +33,7 @@ fn rows(content: &[u8]) -> (Vec<String>, Vec<Vec<String>>) {
 }
 
 /// Columns as the contract lists them, and which of them may be empty.
-const CONTRACT: [(&str, &str, &str); 7] = [
+const CONTRACT: [(&str, &str, &str); 9] = [
     (
         "convergence.csv",
         "case, strategy, point, x_m, y_m, z_m, region, samples, replicates, exact_irradiance_W_m2, \
@@ -43,6 +43,17 @@ const CONTRACT: [(&str, &str, &str); 7] = [
     ),
     ("rates.csv", "case, strategy, quantity, region, slope, slope_low, slope_high, expected_slope, verdict", ""),
     ("correlation.csv", "case, strategy, samples, separation_m, correlation, low, high, predicted", "predicted"),
+    (
+        "energy.csv",
+        "case, rays, source_power_W, emitted_W, deposited_W, deposited_std_error_W, absorbed_W, escaped_W, terminated_W, \
+         residual_W, map_integral_W, exact_deposited_W, verdict",
+        "deposited_std_error_W, exact_deposited_W",
+    ),
+    (
+        "caustic.csv",
+        "case, order, bin, position_m, measured_irradiance_W_m2, std_error_W_m2, exact_irradiance_W_m2, verdict",
+        "position_m, std_error_W_m2",
+    ),
     (
         "verdicts.csv",
         "case, strategy, property, verdict, evidence, threshold, effect, effect_low, effect_high, \
@@ -182,8 +193,8 @@ fn what_has_no_meaning_is_empty_and_what_is_not_judged_says_so() {
     assert!(rates.lines().nth(1).unwrap().ends_with(",not_judged"));
     assert!(rates.lines().nth(2).unwrap().starts_with("penumbra/eclipse,random,variance,below_horizon,"));
     assert!(rates.lines().nth(2).unwrap().ends_with(",undecided"));
-    assert!(text(3).lines().nth(1).unwrap().contains(",,0.081,etendue run "));
-    assert_eq!(text(4).lines().nth(2).unwrap(), "penumbra/eclipse,random,estimate,0,1.25,,31000000.0");
+    assert!(text(5).lines().nth(1).unwrap().contains(",,0.081,etendue run "));
+    assert_eq!(text(6).lines().nth(2).unwrap(), "penumbra/eclipse,random,estimate,0,1.25,,31000000.0");
 }
 
 #[test]
