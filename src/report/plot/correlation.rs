@@ -44,7 +44,7 @@ pub fn correlation(case: &CaseOutcome) -> Option<Page> {
 
 /// Panels side by side, and the height of a row of them with its legends, points.
 const MOST_COLUMNS: usize = 4;
-const ROW: f64 = 500.0;
+const ROW: f64 = 530.0;
 
 fn draw_strategy(page: &mut Page, panel: &Panel, strategy: &StrategyOutcome) {
     let mut legend = Vec::new();

@@ -19,6 +19,7 @@ use super::faults::{FAULTS, Fault};
 use super::mixed::{Mixed, Weights};
 use super::plain::{Plain, Slip};
 use super::rooms::{names, room};
+use super::wrapped::{Change, Wrapped};
 
 /// What must be caught at the default budget.
 const DUE_MEAN: f64 = 0.03;
@@ -286,6 +287,37 @@ fn the_balance_heuristic_keeps_the_mean() {
     let outcome = study(&room("disk"), Strategy::Random, &[1, 4, 16], seed_of("the_balance_heuristic"), make);
     let bias = outcome.strategies[0].verdicts.iter().find(|judged| judged.property == "bias").expect("judged");
     assert_eq!(bias.verdict, Verdict::Pass, "{}", bias.words);
+}
+
+/// With the budget of `--thorough`, a tenth of the biases that must be caught by default.
+///
+/// `CALIBRATION_SEEDS=100 cargo test --release thorough` tries as many as it says.
+#[test]
+fn a_tenth_of_the_bias_is_caught_when_thorough() {
+    let seeds: usize = std::env::var("CALIBRATION_SEEDS").map_or(2, |n| n.parse().expect("a number of seeds"));
+    let faults = [
+        ("disk", Strategy::Random, Change::Scaled(1.0 + 0.1 * DUE_MEAN)),
+        ("disk", Strategy::Stratified, Change::Scaled(1.0 - 0.1 * DUE_MEAN)),
+        ("penumbra", Strategy::Stratified, Change::Scaled(1.0 + 0.1 * DUE_MEAN)),
+        ("rectangle", Strategy::Stratified, Change::OnePoint(1, 1.0 + 0.1 * DUE_POINT)),
+    ];
+    for (name, strategy, change) in faults {
+        let caught = (0..seeds).into_par_iter().filter(|k| {
+            let seed = seed_of(&format!("thorough/{name}/{change:?}/{k}"));
+            let make: &Maker = &|configuration, technique| {
+                Box::new(Wrapped { inner: for_technique(configuration, technique), change })
+            };
+            let overrides =
+                Overrides { strategies: Some(vec![strategy]), samples: Some(vec![16]), ..Overrides::default() };
+            let settings = Settings { seed, effort: Effort::Thorough, overrides };
+            let outcome = trial::run_with(&[room(name)], &settings, make, &|_| ()).expect("a run");
+            let verdicts = &outcome.cases[0].strategies[0].verdicts;
+            verdicts.iter().any(|judged| judged.property == "bias" && judged.verdict == Verdict::Fail)
+        });
+        let caught = caught.count();
+        println!("{name}, {strategy}, {change:?}: caught {caught} of {seeds}");
+        assert_eq!(caught, seeds, "{name}, {strategy}, {change:?}");
+    }
 }
 
 /// Mean and variance of the plain estimator are those of the library's, point by point.
