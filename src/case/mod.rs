@@ -72,7 +72,14 @@ impl Case {
     /// A case described in code. Its name stands in for a selector in messages and commands.
     pub fn new(name: &str, title: &str, configuration: Configuration, study: Study) -> Case {
         let light = LightSettings::default();
-        Case { name: name.to_owned(), selector: name.to_owned(), title: title.to_owned(), configuration, study, light }
+        Case {
+            name: name.to_owned(),
+            selector: name.to_owned(),
+            title: title.to_owned(),
+            configuration,
+            study,
+            light,
+        }
     }
 
     /// A case from text alone; it cannot name a mesh.

@@ -57,12 +57,7 @@ fn point(node: &Node, log: &mut Log) -> Option<Lamp> {
     let position = node.vector(&schema::POSITION, log);
     let power = node.number(&schema::POWER, log);
     // Without a position the power is examined all the same.
-    let lamp = refused(
-        PointSource::new(position.unwrap_or_default(), Flux::new(power?)),
-        node,
-        &schema::POWER,
-        log,
-    )?;
+    let lamp = refused(PointSource::new(position.unwrap_or_default(), Flux::new(power?)), node, &schema::POWER, log)?;
     position.map(|_| Lamp::Point(lamp))
 }
 

@@ -82,7 +82,8 @@ fn case(file: &CaseFile, text: &str, log: &mut Log) -> Option<Case> {
     let source_role = optional(&root, &schema::SOURCE, &schema::SOURCES, log);
     let lamps = source_role.as_ref().map(|role| optics::lamps(role, log)).unwrap_or_default();
     let sources = source_role.map(|role| shapes::all(&role, &mut files, log)).unwrap_or_default();
-    let any_source = !sources.is_empty() || !lamps.is_empty() || log.len() > before || root.misspells(&schema::SOURCE);
+    let any_source =
+        !sources.is_empty() || !lamps.is_empty() || log.len() > before || root.misspells(&schema::SOURCE);
     let (source_spans, sources): (Vec<_>, Vec<_>) =
         sources.into_iter().filter_map(|(node, shape)| Some((node.span.clone(), source(&node, shape, log)?))).unzip();
 

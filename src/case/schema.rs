@@ -218,21 +218,8 @@ pub const STUDY: Key =
     key("study", Value::Table(&STUDIES), "", Need::Default("all defaults"), "How to study the case.");
 
 /// The top of a case file.
-pub const ROOT: Table = Table {
-    path: "",
-    keys: &[
-        TITLE,
-        SOURCE,
-        OCCLUDER,
-        RECEIVER,
-        MEASURE,
-        STUDY,
-        MIRROR,
-        GLASS,
-        DIFFUSE,
-        LIGHT,
-    ],
-};
+pub const ROOT: Table =
+    Table { path: "", keys: &[TITLE, SOURCE, OCCLUDER, RECEIVER, MEASURE, STUDY, MIRROR, GLASS, DIFFUSE, LIGHT] };
 
 pub const CENTER: Key = key("center", Value::Vector, "m", Need::Required, "Centre.");
 pub const NORMAL: Key =
@@ -356,8 +343,13 @@ pub const TOWARD: Key = key(
     Need::Default("none (the whole wall)"),
     "From the axis to the middle of the part that there is; not along the axis.",
 );
-pub const ARC: Key =
-    key("arc", Value::Number, "", Need::Default("1.0"), "Share of the full circle, up to 1; less than 1 needs toward.");
+pub const ARC: Key = key(
+    "arc",
+    Value::Number,
+    "",
+    Need::Default("1.0"),
+    "Share of the full circle, up to 1; less than 1 needs toward.",
+);
 pub const CAP_AXIS: Key = key(
     "axis",
     Value::Vector,
@@ -390,8 +382,7 @@ pub const MIRRORS: Table = Table {
         key("paraboloid", Value::Tables(&MIRROR_PARABOLOID), "", NONE, "Paraboloid of revolution within a rim."),
     ],
 };
-pub const MIRROR_RECTANGLE: Table =
-    Table { path: "mirror.rectangle", keys: &[CENTER, EDGE_U, EDGE_V, REFLECTANCE] };
+pub const MIRROR_RECTANGLE: Table = Table { path: "mirror.rectangle", keys: &[CENTER, EDGE_U, EDGE_V, REFLECTANCE] };
 pub const MIRROR_POLYGON: Table = Table { path: "mirror.polygon", keys: &[VERTICES, REFLECTANCE] };
 pub const MIRROR_DISK: Table = Table { path: "mirror.disk", keys: &[CENTER, NORMAL, RADIUS, REFLECTANCE] };
 pub const MIRROR_SPHERE: Table =
@@ -424,18 +415,12 @@ pub const GLASSES: Table = Table {
     ],
 };
 pub const GLASS_SPHERE: Table = Table { path: "glass.sphere", keys: &[CENTER, RADIUS, IOR] };
-pub const GLASS_SLAB: Table =
-    Table { path: "glass.slab", keys: &[CENTER, SLAB_EDGE_U, EDGE_V, THICKNESS, IOR] };
+pub const GLASS_SLAB: Table = Table { path: "glass.slab", keys: &[CENTER, SLAB_EDGE_U, EDGE_V, THICKNESS, IOR] };
 pub const GLASS_PLANO_CONVEX: Table =
     Table { path: "glass.plano_convex", keys: &[VERTEX, LENS_AXIS, CURVATURE_RADIUS, LENS_RIM, IOR] };
 
-pub const DIFFUSE_ALBEDO: Key = key(
-    "albedo",
-    Value::Number,
-    "",
-    Need::Required,
-    "Share of the arriving power that is sent back, from 0 to 1.",
-);
+pub const DIFFUSE_ALBEDO: Key =
+    key("albedo", Value::Number, "", Need::Required, "Share of the arriving power that is sent back, from 0 to 1.");
 pub const DIFFUSE_EXITANCE: Key = key(
     "exitance",
     Value::Number,
@@ -509,8 +494,7 @@ pub const RINGS: Key = key(
 );
 /// How light is followed.
 pub const LIGHTS: Table = Table { path: "light", keys: &[RAYS, MAP, DEPTH, AIM, SPLIT, RINGS] };
-pub const RING_COUNT: Key =
-    key("count", Value::Count, "", Need::Required, "Rings of equal width, from 1 to 4096.");
+pub const RING_COUNT: Key = key("count", Value::Count, "", Need::Required, "Rings of equal width, from 1 to 4096.");
 pub const RING_RADIUS: Key =
     key("radius", Value::Number, "m", Need::Required, "Outer radius of the last ring; greater than zero.");
 pub const LIGHT_RINGS: Table = Table { path: "light.rings", keys: &[CENTER, RING_RADIUS, RING_COUNT] };
@@ -621,7 +605,7 @@ mod tests {
     fn every_key_has_one_meaning_and_stands_in_the_documentation() {
         let mut tables = Vec::new();
         tables_below(&ROOT, &mut tables);
-        assert_eq!(tables.len(), 44);
+        assert_eq!(tables.len(), 43);
         let text = ROOT.to_string();
         for table in tables {
             for (at, key) in table.keys.iter().enumerate() {

@@ -180,9 +180,8 @@ impl Configuration {
         }
         let emits = |surface: &&DiffuseSurface| surface.exitance().watts_per_square_metre() > 0.0;
         let outward = || contents.diffuse.iter().filter(|surface| !surface.is_inward());
-        let of_diffuse = outward()
-            .filter(emits)
-            .map(|surface| Source { shape: surface.as_shape(), exitance: surface.exitance() });
+        let of_diffuse =
+            outward().filter(emits).map(|surface| Source { shape: surface.as_shape(), exitance: surface.exitance() });
         let sources = contents.sources.iter().cloned().chain(of_diffuse).collect();
         let mut blockers = contents.occluders.clone();
         blockers.extend(contents.mirrors.iter().filter_map(|mirror| mirror.shape().outline()).flatten());

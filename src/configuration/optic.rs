@@ -3,9 +3,7 @@
 use glam::DVec3;
 
 use super::ConfigurationError;
-use crate::geometry::{
-    Cylinder, Disk, Paraboloid, PlanoConvex, Polygon, Rectangle, Shape, Slab, Sphere, SphereCap,
-};
+use crate::geometry::{Cylinder, Disk, Paraboloid, PlanoConvex, Polygon, Rectangle, Shape, Slab, Sphere, SphereCap};
 
 /// A mirror's shape. Both sides reflect.
 #[derive(Clone, Debug, PartialEq)]

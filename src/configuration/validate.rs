@@ -119,6 +119,9 @@ fn surfaces_of_optics(room: &Contents) -> impl Iterator<Item = (&'static str, us
     mirrors.chain(glass).chain(diffuse.map(|(i, surface)| ("diffuse", i, surface.as_shape())))
 }
 
+/// Centres and radii, metres.
+type Balls = Vec<(DVec3, f64)>;
+
 /// A sphere that holds a shape: about the middle of its box.
 fn ball_around(shape: &Shape) -> (DVec3, f64) {
     let (low, high) = shape.bounds();
@@ -133,7 +136,7 @@ fn ball_around(shape: &Shape) -> (DVec3, f64) {
 fn outside_enclosures(room: &Contents, found: &mut Vec<ConfigurationError>) {
     for enclosure in room.diffuse.iter().filter(|surface| surface.is_inward()) {
         // A flat receiver's or a mesh's bounding sphere may be larger than the enclosure: then its corners decide.
-        let mut balls: Vec<(&'static str, usize, Vec<(DVec3, f64)>)> = Vec::new();
+        let mut balls: Vec<(&'static str, usize, Balls)> = Vec::new();
         let shapes = room.sources.iter().map(|source| source.shape()).enumerate().map(|(i, s)| ("source", i, s));
         let shapes = shapes.chain(room.occluders.iter().enumerate().map(|(i, s)| ("occluder", i, s)));
         balls.extend(shapes.map(|(role, i, shape)| (role, i, extremes(shape))));
@@ -151,14 +154,15 @@ fn outside_enclosures(room: &Contents, found: &mut Vec<ConfigurationError>) {
             super::Lamp::Point(lamp) => ("lamp", i, vec![(lamp.position(), 0.0)]),
             super::Lamp::Beam(lamp) => ("lamp", i, vec![(lamp.center(), lamp.radius())]),
         }));
-        balls.extend(room.points.iter().enumerate().map(|(i, p)| ("measurement point", i, vec![(p.position(), 0.0)])));
+        balls
+            .extend(room.points.iter().enumerate().map(|(i, p)| ("measurement point", i, vec![(p.position(), 0.0)])));
         let outside = balls.iter().filter(|(_, _, balls)| !balls.iter().all(|(c, r)| enclosure.encloses(*c, *r)));
         found.extend(outside.map(|(role, index, _)| ConfigurationError::OutsideEnclosure { role, index: *index }));
     }
 }
 
 /// Small spheres whose hull holds a shape: its corners, or one about it.
-fn extremes(shape: &Shape) -> Vec<(DVec3, f64)> {
+fn extremes(shape: &Shape) -> Balls {
     match shape {
         Shape::Rectangle(s) => s.corners().map(|corner| (corner, 0.0)).to_vec(),
         Shape::Polygon(s) => s.vertices().iter().map(|corner| (*corner, 0.0)).collect(),
@@ -179,9 +183,8 @@ fn curved_before_sources(room: &Contents, found: &mut Vec<ConfigurationError>) {
     for (role, index, kind, ball) in mirrors.chain(glass) {
         for (source_index, emitter) in emitters.iter().enumerate() {
             let points = room.points.iter().enumerate();
-            let mut behind = points
-                .filter(|(_, at)| may_stand_between(at.position(), *emitter, ball))
-                .map(|(point, _)| point);
+            let mut behind =
+                points.filter(|(_, at)| may_stand_between(at.position(), *emitter, ball)).map(|(point, _)| point);
             if let Some(point) = behind.next() {
                 let others = behind.count();
                 let error = ConfigurationError::CurvedBefore { point, others, role, index, kind, source_index };

@@ -40,7 +40,8 @@ impl Slab {
         let (u, v) = (self.middle.edge_u(), self.middle.edge_v());
         let w = self.middle.normal() * self.thickness;
         let face = |offset: DVec3, a: DVec3, b: DVec3| {
-            Rectangle::new(self.middle.center() + offset * 0.5, a, b).expect("edges of a valid slab are perpendicular")
+            Rectangle::new(self.middle.center() + offset * 0.5, a, b)
+                .expect("edges of a valid slab are perpendicular")
         };
         vec![face(w, u, v), face(-w, v, u), face(u, v, w), face(-u, w, v), face(v, w, u), face(-v, u, w)]
     }

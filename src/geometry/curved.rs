@@ -18,8 +18,7 @@ impl SphereCap {
     /// - `sphere`: what it is cut from; `axis`: from the sphere's centre to the middle of the cap, any length but zero
     /// - `rim_radius`: metres, > 0, at most the sphere's radius
     pub fn new(sphere: Sphere, axis: DVec3, rim_radius: f64) -> Result<SphereCap, ShapeError> {
-        let cap =
-            SphereCap { sphere, axis: unit("axis", axis)?, rim_radius: positive("rim_radius", rim_radius)? };
+        let cap = SphereCap { sphere, axis: unit("axis", axis)?, rim_radius: positive("rim_radius", rim_radius)? };
         if rim_radius > sphere.radius() {
             return Err(ShapeError::TooWide { field: "rim_radius", said: rim_radius, most: sphere.radius() });
         }

@@ -87,7 +87,11 @@ impl Cone {
         let sine = target.radius / offset.length();
         (sine < 1.0).then(|| {
             let axis = offset.normalize();
-            Cone { axis, frame: Frame::around(axis), depth: sine * sine / (1.0 + ((1.0 - sine) * (1.0 + sine)).sqrt()) }
+            Cone {
+                axis,
+                frame: Frame::around(axis),
+                depth: sine * sine / (1.0 + ((1.0 - sine) * (1.0 + sine)).sqrt()),
+            }
         })
     }
     /// Of all directions: (1 − cosα)/2.
@@ -168,7 +172,11 @@ impl Lobe {
         let cone = Cone::towards(target, from)?;
         let (q, z) = (((1.0 - s) * (1.0 + s)).sqrt(), ((1.0 - c) * (1.0 + c)).max(0.0).sqrt());
         if c >= s {
-            return Some(Lobe { cone, share: s * s * c, region: Region::Ellipse { middle: q * z, along: s * c, across: s } });
+            return Some(Lobe {
+                cone,
+                share: s * s * c,
+                region: Region::Ellipse { middle: q * z, along: s * c, across: s },
+            });
         }
         let gamma = libm::acos((-(q / s) * (c / z)).clamp(-1.0, 1.0));
         let y = (1.0 - (c / s) * (c / s)).max(0.0).sqrt();
@@ -193,9 +201,7 @@ impl Lobe {
         // Straight up there is no lean, and the ellipse is round about the middle.
         let along = if lean.length() > 1e-12 { lean.normalize() } else { Frame::around(normal).tangent };
         let across = normal.cross(along);
-        let lifted = |a: f64, b: f64| {
-            along * a + across * b + normal * (1.0 - (a * a + b * b)).max(0.0).sqrt()
-        };
+        let lifted = |a: f64, b: f64| along * a + across * b + normal * (1.0 - (a * a + b * b)).max(0.0).sqrt();
         match self.region {
             Region::Ellipse { middle, along, across } => {
                 let (x, y) = draws.disk();

@@ -10,11 +10,23 @@ use crate::geometry::DVec3;
 /// A body, prepared.
 #[derive(Clone, Debug)]
 pub(super) enum Body {
-    Ball { center: DVec3, radius: f64 },
+    Ball {
+        center: DVec3,
+        radius: f64,
+    },
     /// Three pairs of parallel faces: unit normals, and the distance of either face from the centre.
-    Box { center: DVec3, normals: [DVec3; 3], halves: [f64; 3] },
+    Box {
+        center: DVec3,
+        normals: [DVec3; 3],
+        halves: [f64; 3],
+    },
     /// The part of a ball at least `height` from its centre against the axis.
-    Lens { center: DVec3, radius: f64, axis: DVec3, height: f64 },
+    Lens {
+        center: DVec3,
+        radius: f64,
+        axis: DVec3,
+        height: f64,
+    },
 }
 
 /// A face of a body: of a ball 0; of a lens 0 (curved) or 1 (flat); of a box 2k for the face against the k-th normal, 2k + 1
@@ -166,7 +178,13 @@ impl Body {
                 let normal = normals[usize::from(part / 2)];
                 if part % 2 == 1 { normal } else { -normal }
             }
-            Body::Lens { center, axis, .. } => if part == 1 { *axis } else { (at - *center).normalize() },
+            Body::Lens { center, axis, .. } => {
+                if part == 1 {
+                    *axis
+                } else {
+                    (at - *center).normalize()
+                }
+            }
         }
     }
 }

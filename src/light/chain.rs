@@ -113,9 +113,7 @@ impl<'a> Tracer<'a> {
                     }
                     None
                 }
-                Role::Reflects { optic, reflectance } => {
-                    self.mirror(ray, surface, at, optic, reflectance, tally)
-                }
+                Role::Reflects { optic, reflectance } => self.mirror(ray, surface, at, optic, reflectance, tally),
             },
             Met::Glass(glass, part) => {
                 tally.reached[self.room.optic_of_glass(glass)] += 1;
@@ -129,8 +127,12 @@ impl<'a> Tracer<'a> {
                 if leaves {
                     (from, into, normal) = (into, from, -normal);
                 }
-                let arrived =
-                    Ray { from: at, start: Start::Glass(glass, part), order: ray.order + 1, ..self.turned(ray, normal, tally) };
+                let arrived = Ray {
+                    from: at,
+                    start: Start::Glass(glass, part),
+                    order: ray.order + 1,
+                    ..self.turned(ray, normal, tally)
+                };
                 let face = Interface::meet(ray.direction, normal, from, into);
                 let through = if leaves { None } else { Some(glass) };
                 self.split(arrived, face, normal, through, faint, branches, draws)

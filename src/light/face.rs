@@ -18,16 +18,49 @@ pub(super) struct Edge {
 #[derive(Clone, Debug)]
 pub(super) enum Face {
     /// Inside where both dual coordinates are below ½ in size.
-    Parallelogram { center: DVec3, normal: DVec3, dual_u: DVec3, dual_v: DVec3 },
-    Disk { center: DVec3, normal: DVec3, radius_squared: f64 },
-    Polygon { anchor: DVec3, frame: Frame, edges: Vec<Edge> },
-    Ball { center: DVec3, radius: f64 },
+    Parallelogram {
+        center: DVec3,
+        normal: DVec3,
+        dual_u: DVec3,
+        dual_v: DVec3,
+    },
+    Disk {
+        center: DVec3,
+        normal: DVec3,
+        radius_squared: f64,
+    },
+    Polygon {
+        anchor: DVec3,
+        frame: Frame,
+        edges: Vec<Edge>,
+    },
+    Ball {
+        center: DVec3,
+        radius: f64,
+    },
     /// Of a sphere, what lies at least `height` from its centre along the axis.
-    Cap { center: DVec3, radius: f64, axis: DVec3, height: f64 },
+    Cap {
+        center: DVec3,
+        radius: f64,
+        axis: DVec3,
+        height: f64,
+    },
     /// Of a cylinder, what lies within `half_height` and at least `least` towards one side.
-    Wall { center: DVec3, axis: DVec3, radius: f64, half_height: f64, toward: DVec3, least: f64 },
+    Wall {
+        center: DVec3,
+        axis: DVec3,
+        radius: f64,
+        half_height: f64,
+        toward: DVec3,
+        least: f64,
+    },
     /// r² = four_f z up to z = depth.
-    Dish { vertex: DVec3, axis: DVec3, four_f: f64, depth: f64 },
+    Dish {
+        vertex: DVec3,
+        axis: DVec3,
+        four_f: f64,
+        depth: f64,
+    },
 }
 
 /// Which rays meet a surface.
@@ -279,7 +312,8 @@ mod tests {
 
     #[test]
     fn borders_of_parts_are_kept() {
-        let half = Face::cylinder(&Cylinder::new(DVec3::ZERO, DVec3::Z, 1.0, 2.0).unwrap().part(DVec3::X, 0.5).unwrap());
+        let half =
+            Face::cylinder(&Cylinder::new(DVec3::ZERO, DVec3::Z, 1.0, 2.0).unwrap().part(DVec3::X, 0.5).unwrap());
         let along = |from: DVec3, d: DVec3| half.meet(from, d.normalize(), false, Sides::Both);
         assert_eq!(along(DVec3::ZERO, DVec3::X), Some(1.0));
         assert_eq!(along(DVec3::ZERO, -DVec3::X), None);

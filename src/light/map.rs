@@ -355,7 +355,8 @@ mod tests {
             for i in 0..n {
                 for j in 0..n - i {
                     for (a, b) in [(1.0, 1.0), (2.0, 2.0)] {
-                        let (a, b) = ((f64::from(i) + a / 3.0) / f64::from(n), (f64::from(j) + b / 3.0) / f64::from(n));
+                        let (a, b) =
+                            ((f64::from(i) + a / 3.0) / f64::from(n), (f64::from(j) + b / 3.0) / f64::from(n));
                         if a + b < 1.0 {
                             let [q0, q1, q2] = triangle;
                             let at = [0, 1].map(|k| q0[k] + a * (q1[k] - q0[k]) + b * (q2[k] - q0[k]));

@@ -99,7 +99,8 @@ impl Room {
                 of_source.push(index);
             }
         }
-        let glass = room.glass.iter().map(|glass| Piece { body: Body::new(glass.shape()), ior: glass.ior() }).collect();
+        let glass =
+            room.glass.iter().map(|glass| Piece { body: Body::new(glass.shape()), ior: glass.ior() }).collect();
         let bounds = bounds(configuration);
         let meshes = room.occluders.iter().filter_map(|shape| match shape {
             Shape::Mesh(mesh) => Some(Hierarchy::new(mesh, bounds)),

@@ -19,7 +19,7 @@ const RAYS_A_BATCH: u64 = 1 << 13;
 /// Batches that are worked on before any of them is joined.
 const BATCHES_A_ROUND: u64 = 32;
 /// Keeps the streams of the light apart from those of the estimators: "light" in ASCII.
-const PURPOSE: u64 = 0x6c69_6768_74;
+const PURPOSE: u64 = 0x006c_6967_6874;
 
 /// What the light of a configuration has left, and where it went.
 #[derive(Clone, Debug)]

@@ -159,10 +159,46 @@ fn rings_under_a_spherical_mirror_have_their_power() {
 fn rings_under_a_glass_ball_have_their_power() {
     let seed = seed_of("rings_under_a_glass_ball_have_their_power");
     for (k, (radius, ior, q, beam_radius, inner, outer, power, total)) in [
-        (1.0, 1.484375, 2.140625, 0.421875, 0.037109375, 0.154296875, 0.306_939_356_139_572_9, 0.517_232_375_553_590_7),
-        (1.25, 1.671875, 1.9140625, 0.703125, 0.04638671875, 0.14404296875, 0.570_227_399_702_323_7, 1.360_637_573_893_478),
-        (0.875, 1.75, 1.162109375, 0.6015625, 0.02734375, 0.1162109375, 0.527_818_380_578_172_2, 0.969_468_746_559_111_6),
-        (0.75, 1.875, 1.078125, 0.46875, 0.01611328125, 0.03076171875, 0.014_649_629_410_054_525, 0.566_792_218_461_124_5),
+        (
+            1.0,
+            1.484375,
+            2.140625,
+            0.421875,
+            0.037109375,
+            0.154296875,
+            0.306_939_356_139_572_9,
+            0.517_232_375_553_590_7,
+        ),
+        (
+            1.25,
+            1.671875,
+            1.9140625,
+            0.703125,
+            0.04638671875,
+            0.14404296875,
+            0.570_227_399_702_323_7,
+            1.360_637_573_893_478,
+        ),
+        (
+            0.875,
+            1.75,
+            1.162109375,
+            0.6015625,
+            0.02734375,
+            0.1162109375,
+            0.527_818_380_578_172_2,
+            0.969_468_746_559_111_6,
+        ),
+        (
+            0.75,
+            1.875,
+            1.078125,
+            0.46875,
+            0.01611328125,
+            0.03076171875,
+            0.014_649_629_410_054_525,
+            0.566_792_218_461_124_5,
+        ),
     ]
     .into_iter()
     .enumerate()
@@ -339,7 +375,12 @@ fn paths_that_leave_their_plane_are_counted() {
         if second {
             glass.push(tilted(-8.0, a, b));
         }
-        Contents { lamps: vec![beam(DVec3::Z * 20.0, -DVec3::Z, 0.5)], glass, receiver: screen(-20.0, 90.0, true), ..Contents::default() }
+        Contents {
+            lamps: vec![beam(DVec3::Z * 20.0, -DVec3::Z, 0.5)],
+            glass,
+            receiver: screen(-20.0, 90.0, true),
+            ..Contents::default()
+        }
     };
     let one = trace(&room(contents(false)), &plain(5_000), 3);
     assert_eq!((one.depolarised, one.depolarised_flux), (0, 0.0));
@@ -363,7 +404,11 @@ fn an_enclosure_keeps_all_of_its_light() {
         let share = map.area(texel) / (16.0 * PI);
         let found = packets(map.moments(texel, Light::Both).watts(), &run);
         // Sixty-four texels share the budget.
-        assert!(plausible(found, 200_000, share * 0.999, share * 1.001), "{texel:?}: {found} of {}", share * 200_000.0);
+        assert!(
+            plausible(found, 200_000, share * 0.999, share * 1.001),
+            "{texel:?}: {found} of {}",
+            share * 200_000.0
+        );
     }
     // With a lamp inside, off the middle: all of its light too.
     let lamp = Lamp::Point(PointSource::new(DVec3::new(1.5, 1.0, 2.0), Flux::new(4.0)).unwrap());
@@ -384,7 +429,12 @@ fn what_no_light_reaches_is_told_and_divides_nothing() {
     assert_eq!((run.reached.as_slice(), run.ledger.deposited), ([0].as_slice(), 0.0));
     assert_sound("away", &run);
     let off = Lamp::Point(PointSource::new(DVec3::Z * 3.0, Flux::new(0.0)).unwrap());
-    let off = room(Contents { lamps: vec![off], glass: vec![ball(1.0, 1.5)], receiver: screen(-2.0, 9.0, true), ..Contents::default() });
+    let off = room(Contents {
+        lamps: vec![off],
+        glass: vec![ball(1.0, 1.5)],
+        receiver: screen(-2.0, 9.0, true),
+        ..Contents::default()
+    });
     let run = trace(&off, &plain(1_000), 1);
     assert_eq!((run.ledger.rays, run.ledger.emitted, run.ledger.residual()), (0, 0.0, 0.0));
     assert_eq!(run.ledger.relative_residual(), 0.0);
@@ -417,14 +467,16 @@ fn a_triangle_and_a_globe_are_not_distorted() {
                     let at = [i, j].map(|k| (f64::from(k) + 0.5) / f64::from(n));
                     let at = [s0 + (s1 - s0) * at[0], t0 + (t1 - t0) * at[1]];
                     let point = map.parametrisation().to_surface(at);
-                    let normal = if map.parametrisation().wraps() { point - globe.center() } else { triangle.normal() };
+                    let normal =
+                        if map.parametrisation().wraps() { point - globe.center() } else { triangle.normal() };
                     let offset = DVec3::new(0.2, 0.1, 0.0) - point;
                     let density = map.parametrisation().density(at);
                     sum += density * (offset.dot(normal) / offset.length().powi(3)).max(0.0);
                     weight += density;
                 }
             }
-            let whole = map.parametrisation().map_triangle().is_none() || (map.area(texel) * 36.0 / (weight / f64::from(n * n)) - 1.0).abs() < 1e-9;
+            let whole = map.parametrisation().map_triangle().is_none()
+                || (map.area(texel) * 36.0 / (weight / f64::from(n * n)) - 1.0).abs() < 1e-9;
             if !whole || sum == 0.0 {
                 continue;
             }
@@ -493,7 +545,8 @@ fn optics_stop_direct_light_as_their_outlines_do() {
     use etendue::estimator::{AreaEstimator, Estimator, Job, Scratch};
     use etendue::sampling::{Purpose, Strategy, StreamKey};
 
-    let lamp = || Source::new(Shape::Disk(Disk::new(DVec3::Z * 3.0, -DVec3::Z, 0.6).unwrap()), Exitance::new(2.0)).unwrap();
+    let lamp =
+        || Source::new(Shape::Disk(Disk::new(DVec3::Z * 3.0, -DVec3::Z, 0.6).unwrap()), Exitance::new(2.0)).unwrap();
     let points: Vec<_> =
         (0..9).map(|k| MeasurementPoint::new(DVec3::X * (0.2 * f64::from(k)), DVec3::Z).unwrap()).collect();
     let with = |contents: Contents| {
@@ -532,7 +585,8 @@ fn optics_stop_direct_light_as_their_outlines_do() {
         assert_eq!(exact(optic), exact(occluder));
         assert_eq!(estimates(optic), estimates(occluder));
     }
-    let glowing = DiffuseSurface::new(ReceiverShape::Disk(disk), Albedo::new(0.5), Exitance::new(2.0), false).unwrap();
+    let glowing =
+        DiffuseSurface::new(ReceiverShape::Disk(disk), Albedo::new(0.5), Exitance::new(2.0), false).unwrap();
     let room = with(Contents { diffuse: vec![glowing], ..Contents::default() });
     assert_eq!((room.sources().len(), room.blockers().len()), (2, 0));
 }
