@@ -119,6 +119,9 @@ fn surfaces_of_optics(room: &Contents) -> impl Iterator<Item = (&'static str, us
     mirrors.chain(glass).chain(diffuse.map(|(i, surface)| ("diffuse", i, surface.as_shape())))
 }
 
+/// Centres and radii, metres.
+type Balls = Vec<(DVec3, f64)>;
+
 /// A sphere that holds a shape: about the middle of its box.
 fn ball_around(shape: &Shape) -> (DVec3, f64) {
     let (low, high) = shape.bounds();

@@ -71,7 +71,12 @@ pub(super) fn emitters(configuration: &Configuration, room: &Room, aim: Aim) -> 
             _ => Target { center: low * 0.5 + high * 0.5, radius: 0.5 * (high - low).length() },
         };
         let surface = Surface::new(shape)?;
-        let kind = Kind::Area { surface, start, side, targets: aim::apart(targets.clone(), ball) };
+        let mut targets = aim::apart(targets.clone(), ball);
+        // From within a target there is nothing to aim at.
+        if targets.iter().any(|target| (target.center - ball.center).length() <= target.radius) {
+            targets.clear();
+        }
+        let kind = Kind::Area { surface, start, side, targets };
         Some(Emitter { power, kind, near_glass: is_near(&ball) })
     };
     let sources = configuration.sources().iter().enumerate().filter_map(|(k, source)| {
@@ -163,7 +168,11 @@ impl Emitter {
                         ray(lobe.draw(normal, draws), lobe.share() * each);
                     }
                 }
-                ray(aim::cosine_outside(lobes, normal, draws), rest);
+                // Where aiming does not pay, all rays of the group go as they are emitted.
+                let others = if lobes.is_empty() { AIMED_FOR_ONE * targets.len() + 1 } else { 1 };
+                for _ in 0..others {
+                    ray(aim::cosine_outside(lobes, normal, draws), rest / others as f64);
+                }
             }
         }
     }
