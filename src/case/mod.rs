@@ -26,6 +26,7 @@ mod error;
 mod folder;
 mod measure;
 pub mod obj;
+mod picture;
 mod place;
 mod read;
 mod render;
@@ -36,6 +37,7 @@ mod shapes;
 mod shipped;
 mod spelling;
 mod study;
+mod texture;
 mod walk;
 
 use std::path::Path;

@@ -120,7 +120,7 @@ pub(super) fn from_ready(
         title: case.title.clone(),
         digest: case.configuration.digest(),
         arrangement: case.configuration.arrangement(),
-        albedo: case.configuration.albedo(),
+        albedos: case.configuration.albedos(),
         points: case.configuration.points().to_vec(),
         truths: ready.truths.clone(),
         strategies,

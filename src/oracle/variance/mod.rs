@@ -13,6 +13,7 @@
 mod cells;
 mod chart;
 mod field;
+mod grid;
 mod shared;
 #[cfg(test)]
 mod tests;
@@ -24,7 +25,8 @@ pub use shared::Shared;
 use cells::{Cell, Cells, Sums};
 use field::Field;
 
-use super::exact::Oracle;
+use super::exact::{BodyAt, Oracle};
+use super::textured::ROUGH;
 use crate::configuration::MeasurementPoint;
 
 /// Relative error, at most, of predicted variances.
@@ -115,19 +117,23 @@ impl Oracle {
     }
 
     /// Moments of what a direction brings that is drawn by the cosine and must find the sources by itself: M of the source
-    /// that it meets, with the source's form factor as its probability.
+    /// that it meets (where it meets it), with the source's form factor as its probability.
     pub fn cosine_moments(&self, point: &MeasurementPoint) -> Option<SampleMoments> {
-        let seen = self.seen(point);
-        let powers = |q: i32| {
-            let parts = seen.iter().zip(&self.sources);
-            parts.map(|(seen, source)| source.exitance.powi(q) * seen.visible.value).sum()
+        let of_source = |index: usize| {
+            let source = &self.sources[index];
+            if source.texture.is_some() {
+                return self.sample_moments(index, point, Contribution::by_cosine);
+            }
+            let factor = self.of_body(BodyAt::Source(index), point).visible.value;
+            Some(SampleMoments { raw: [1, 2, 3, 4].map(|q| source.exitance.powi(q) * factor) })
         };
-        Some(SampleMoments { raw: [1, 2, 3, 4].map(powers) })
+        let parts: Option<Vec<SampleMoments>> = (0..self.sources.len()).map(of_source).collect();
+        Some(SampleMoments::either(&parts?))
     }
 
     /// The irradiance of one source at a point, W/m².
     fn due(&self, source: usize, point: &MeasurementPoint) -> f64 {
-        self.seen(point)[source].visible.value * self.sources[source].exitance
+        self.light(source, point, ROUGH).value
     }
 
     /// Moments of what one sample by area on a source brings to a point.
