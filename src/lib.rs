@@ -51,6 +51,7 @@
 //! | module | its duty |
 //! |---|---|
 //! | [`geometry`] | shapes and frames, no light in them yet |
+//! | [`texture`] | what varies over a surface: maps, values on texels, lookups that lose nothing |
 //! | [`statistics`] | moments, intervals, evidence, verdicts; knows nothing of light |
 //! | [`radiometry`] | quantities and the products that are laws between them |
 //! | [`configuration`] | what stands in the room, valid by construction |
@@ -107,6 +108,7 @@ pub mod report;
 pub mod sampling;
 pub mod scene;
 pub mod statistics;
+pub mod texture;
 pub mod trial;
 
 pub use case::Case;

@@ -12,6 +12,7 @@ use super::schema::{self, Table};
 use crate::configuration::ConfigurationError;
 use crate::geometry::ShapeError;
 use crate::radiometry::RadiometryError;
+use crate::texture::TextureError;
 
 /// One thing that is wrong with a case file.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -64,6 +65,18 @@ pub enum CaseError {
     MeshFile { file: String, fault: MeshFileFault },
     #[error("the mesh `{file}` is broken: {error}")]
     Mesh { file: String, error: ObjError },
+    #[error("`{key}`: {error}")]
+    Texture { key: String, error: TextureError },
+    #[error("`{key}` describes no texture; it has one of {}", accepted.join(", "))]
+    NoTexture { key: String, accepted: Vec<&'static str> },
+    #[error("`{key}` has both `{first}` and `{second}`; one is accepted")]
+    TwoTextures { key: String, first: &'static str, second: &'static str },
+    #[error("`{key}` is for {accepted}; this is a {shape}")]
+    ForeignKey { key: String, accepted: &'static str, shape: &'static str },
+    #[error("a texture lies on a rectangle, a disk, a triangle or a sphere; this polygon has {said} vertices")]
+    NoMap { said: usize },
+    #[error("`{file}` is no picture that can be read: {said}")]
+    Picture { file: String, said: String },
     #[error("[receiver] has no shape; accepted: {}", accepted.join(", "))]
     NoReceiverShape { accepted: Vec<&'static str> },
     #[error("[receiver] has a second shape, `{said}`; one is accepted")]
@@ -139,6 +152,11 @@ impl CaseError {
             CaseError::Shape { .. } | CaseError::Area { .. } => "impossible shape",
             CaseError::Lamp { .. } => "out of range",
             CaseError::MeshFile { .. } | CaseError::Mesh { .. } => "cannot be used",
+            CaseError::Texture { .. } | CaseError::NoTexture { .. } => "no texture",
+            CaseError::TwoTextures { .. } => "two textures",
+            CaseError::ForeignKey { .. } => "not for this shape",
+            CaseError::NoMap { .. } => "no map",
+            CaseError::Picture { .. } => "cannot be used",
             CaseError::NoReceiverShape { .. } => "no shape",
             CaseError::SecondReceiverShape { .. } => "second shape",
             CaseError::NoReceiver { .. } => "no receiver",

@@ -27,6 +27,7 @@ mod folder;
 mod measure;
 pub mod obj;
 mod optics;
+mod picture;
 mod place;
 mod read;
 mod render;
@@ -37,6 +38,7 @@ mod shapes;
 mod shipped;
 mod spelling;
 mod study;
+mod texture;
 mod walk;
 
 use std::path::Path;

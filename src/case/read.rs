@@ -13,6 +13,7 @@ use super::measure::{self, Ground, Measured};
 use super::optics;
 use super::schema;
 use super::shapes::{self, Files};
+use super::texture;
 use super::walk::{Log, Node};
 use super::{Study, settings};
 use crate::configuration::{Configuration, ConfigurationError, Contents, Source};
@@ -84,8 +85,10 @@ fn case(file: &CaseFile, text: &str, log: &mut Log) -> Option<Case> {
     let sources = source_role.map(|role| shapes::all(&role, &mut files, log)).unwrap_or_default();
     let any_source =
         !sources.is_empty() || !lamps.is_empty() || log.len() > before || root.misspells(&schema::SOURCE);
-    let (source_spans, sources): (Vec<_>, Vec<_>) =
-        sources.into_iter().filter_map(|(node, shape)| Some((node.span.clone(), source(&node, shape, log)?))).unzip();
+    let (source_spans, sources): (Vec<_>, Vec<_>) = sources
+        .into_iter()
+        .filter_map(|(node, shape)| Some((node.span.clone(), source(&node, shape, &mut files, log)?)))
+        .unzip();
 
     let occluder_role = optional(&root, &schema::OCCLUDER, &schema::OCCLUDERS, log);
     let occluders = occluder_role.map(|role| shapes::all(&role, &mut files, log)).unwrap_or_default();
@@ -103,7 +106,7 @@ fn case(file: &CaseFile, text: &str, log: &mut Log) -> Option<Case> {
     let (diffuse_spans, diffuse) = diffuse.into_iter().unzip();
 
     let receiver_node = optional(&root, &schema::RECEIVER, &schema::RECEIVERS, log);
-    let receiver = receiver_node.and_then(|node| measure::receiver(&node, log));
+    let receiver = receiver_node.and_then(|node| measure::receiver(&node, &mut files, log));
     let ground = match &receiver {
         Some(receiver) => Ground::Sound(receiver),
         None if root.has(&schema::RECEIVER) => Ground::Faulty,
@@ -148,7 +151,13 @@ fn optional<'t>(
     if root.has(key) { root.table(key, table, log) } else { None }
 }
 
-fn source(node: &Node, shape: Option<Shape>, log: &mut Log) -> Option<Source> {
+fn source(node: &Node, shape: Option<Shape>, files: &mut Files, log: &mut Log) -> Option<Source> {
+    if let Some(table) = node.texture(&schema::EXITANCE, log) {
+        // Without a shape the table is examined all the same.
+        let texture = texture::texture(&table, shape.as_ref().map(texture::Canvas::of_source), files, log);
+        let made = Source::textured(shape?, texture?);
+        return made.map_err(|error| log.add(table.span.clone(), CaseError::Configuration(error))).ok();
+    }
     let exitance = Exitance::new(node.number(&schema::EXITANCE, log)?);
     let sound = shape.is_some();
     // Without a shape the exitance is examined all the same.

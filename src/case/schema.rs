@@ -18,6 +18,10 @@ pub const MAX_TRIANGLES: u64 = 64_000_000;
 pub const MAX_POLYGON_VERTICES: u64 = 10_000;
 /// Deepest `subdivide`.
 pub const MAX_SUBDIVIDE: u64 = 8;
+/// Largest picture file, bytes.
+pub const MAX_PICTURE_BYTES: u64 = 64 << 20;
+/// Most texels of one texture.
+pub const MAX_TEXELS: u64 = 1 << 20;
 /// Largest sample count and replicate count.
 pub const MAX_COUNT: u64 = 1 << 40;
 /// Largest magnitude of a length (metres), an exitance (W/m²) or any other number but a normal's component: its fourth
@@ -50,8 +54,8 @@ pub struct Key {
 #[derive(Clone, Copy, Debug)]
 pub enum Value {
     Number,
-    /// A number; in later versions also a table that describes a field over the surface.
-    Field,
+    /// A number, or a table that describes a texture over the surface.
+    Field(&'static Table),
     /// A number that is an integer, zero or greater.
     Count,
     Counts,
@@ -66,6 +70,10 @@ pub enum Value {
     CountPair,
     /// true or false.
     Flag,
+    /// e00, e10, e01, e20, e11, e02.
+    Coefficients,
+    /// `"similar"`, `"half-square"` or three corners `[s, t]`.
+    MapTriangle,
     /// One table.
     Table(&'static Table),
     /// One table, or an array of them.
@@ -105,7 +113,12 @@ impl Value {
     /// What is accepted, in words: `a number`.
     pub fn expected(&self) -> &'static str {
         match self {
-            Value::Number | Value::Field => "a number",
+            Value::Number => "a number",
+            Value::Field(_) => "a number or a texture",
+            Value::Coefficients => "an array of six numbers",
+            Value::MapTriangle => {
+                "\"similar\", \"half-square\" or an array of three corners, each an array of two numbers"
+            }
             Value::Count => "an integer",
             Value::Counts => "an array of integers",
             Value::Text => "a string",
@@ -119,6 +132,7 @@ impl Value {
             Value::Tables(_) => "a table or an array of tables",
         }
     }
+    /// The table below, but for textures, which are listed once for all.
     fn table(&self) -> Option<&'static Table> {
         match self {
             Value::Table(table) | Value::Tables(table) => Some(table),
@@ -147,7 +161,12 @@ impl fmt::Display for Table {
                 writeln!(f)?;
                 table.fmt(f)
             },
-        )
+        )?;
+        if self.path.is_empty() {
+            writeln!(f, "\nA texture, in the place of a number:\n")?;
+            EXITANCE_TEXTURE.fmt(f)?;
+        }
+        Ok(())
     }
 }
 
@@ -235,8 +254,82 @@ pub const VERTICES: Key = key(
     Need::Required,
     "In one plane, convex or not, counter-clockwise seen from the lit or receiving side.",
 );
-pub const EXITANCE: Key =
-    key("exitance", Value::Field, "W/m²", Need::Required, "Power sent out per area, Lambertian; zero or greater.");
+pub const EXITANCE: Key = key(
+    "exitance",
+    Value::Field(&EXITANCE_TEXTURE),
+    "W/m²",
+    Need::Required,
+    "Power sent out per area, Lambertian; zero or greater.",
+);
+
+pub const IMAGE: Key = key(
+    "image",
+    Value::Text,
+    "",
+    Need::Default("none, but one of image, checker, polynomial"),
+    "A PNG picture, 8 or 16 bits, the lower left pixel at s = t = 0; colours count by their luminance (Rec. 709), opacity \
+     not at all. A path relative to the case file, inside the folder of the cases.",
+);
+pub const ENCODING: Key = key(
+    "encoding",
+    Value::Text,
+    "",
+    Need::Default("none; a picture needs it"),
+    "What a picture's numbers are: `linear`, in proportion to light, or `srgb`, by the standard's curve.",
+);
+pub const CHECKER: Key = key(
+    "checker",
+    Value::CountPair,
+    "",
+    Need::Default("none"),
+    "A chessboard of ns × nt texels, the one at s = t = 0 white.",
+);
+pub const POLYNOMIAL: Key = key(
+    "polynomial",
+    Value::Coefficients,
+    "W/m² … W/m⁴",
+    Need::Default("none"),
+    "On a rectangle: e00 + e10 x + e01 y + e20 x² + e11 x y + e02 y², metres from the centre along the edges.",
+);
+pub const WHITE: Key =
+    key("white", Value::Number, "W/m², or none", Need::Default("1.0"), "What white stands for; greys in proportion.");
+pub const BLACK: Key = key("black", Value::Number, "W/m², or none", Need::Default("0.0"), "What black stands for.");
+pub const LOOKUP: Key = key(
+    "lookup",
+    Value::Text,
+    "",
+    Need::Default("\"texel\""),
+    "Between texels: `texel`, the value of the one hit, or `bilinear`, interpolated without gain or loss.",
+);
+pub const MAP: Key = key(
+    "map",
+    Value::MapTriangle,
+    "",
+    Need::Default("\"similar\""),
+    "Of a triangle: where its vertices lie in the picture. `similar` undoes the distortion, `half-square` is [0, 0], \
+     [1, 0], [0, 1].",
+);
+pub const NORTH: Key =
+    key("north", Value::Vector, "", Need::Default("[0, 0, 1]"), "Of a sphere: towards its north pole, where t = 1.");
+pub const EQUATOR: Key = key(
+    "equator",
+    Value::Vector,
+    "",
+    Need::Default("[1, 0, 0]"),
+    "Of a sphere: towards where s = 0, which runs eastwards; the part across north counts.",
+);
+pub const ZERO: Key = key(
+    "zero",
+    Value::Vector,
+    "",
+    Need::Default("x, for a normal along z"),
+    "Of a disk: where s = 0, the azimuth over a turn; t is the squared share of the radius.",
+);
+const TEXTURE_KEYS: &[Key] = &[IMAGE, ENCODING, CHECKER, POLYNOMIAL, WHITE, BLACK, LOOKUP, MAP, NORTH, EQUATOR, ZERO];
+/// What varies over a source.
+pub const EXITANCE_TEXTURE: Table = Table { path: "exitance", keys: TEXTURE_KEYS };
+/// What varies over a receiver.
+pub const ALBEDO_TEXTURE: Table = Table { path: "albedo", keys: TEXTURE_KEYS };
 pub const FILE: Key = key(
     "file",
     Value::Text,
@@ -305,7 +398,7 @@ pub const OCCLUDER_MESH: Table = Table { path: "occluder.mesh", keys: &[FILE, SU
 
 pub const ALBEDO: Key = key(
     "albedo",
-    Value::Field,
+    Value::Field(&ALBEDO_TEXTURE),
     "",
     Need::Default("none (no radiosity)"),
     "Share of the arriving power that is sent back, from 0 to 1.",
@@ -457,7 +550,7 @@ pub const DIFFUSE_SPHERE: Table =
 
 pub const RAYS: Key =
     key("rays", Value::Count, "", Need::Default("1000000"), "Rays that leave the sources, at least; 1 or more.");
-pub const MAP: Key = key(
+pub const TEXELS: Key = key(
     "map",
     Value::CountPair,
     "",
@@ -493,7 +586,7 @@ pub const RINGS: Key = key(
     "Rings on the receiver in which light is counted by its number of interactions.",
 );
 /// How light is followed.
-pub const LIGHTS: Table = Table { path: "light", keys: &[RAYS, MAP, DEPTH, AIM, SPLIT, RINGS] };
+pub const LIGHTS: Table = Table { path: "light", keys: &[RAYS, TEXELS, DEPTH, AIM, SPLIT, RINGS] };
 pub const RING_COUNT: Key = key("count", Value::Count, "", Need::Required, "Rings of equal width, from 1 to 4096.");
 pub const RING_RADIUS: Key =
     key("radius", Value::Number, "m", Need::Required, "Outer radius of the last ring; greater than zero.");

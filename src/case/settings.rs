@@ -59,12 +59,12 @@ pub(super) fn light(node: &Node, log: &mut Log) -> LightSettings {
 }
 
 fn map(node: &Node, log: &mut Log) -> Option<[usize; 2]> {
-    let value = node.raw(&schema::MAP)?;
-    let items = node.items(&schema::MAP, value, log)?;
+    let value = node.raw(&schema::TEXELS)?;
+    let items = node.items(&schema::TEXELS, value, log)?;
     let most = LightSettings::MOST_TEXELS as u64;
-    let sides: Vec<_> = items.iter().map(|item| node.count_of(&schema::MAP, item, 1, 1 << 16, log)).collect();
+    let sides: Vec<_> = items.iter().map(|item| node.count_of(&schema::TEXELS, item, 1, 1 << 16, log)).collect();
     let [ns, nt] = sides[..] else {
-        let key = node.schema.full_name(schema::MAP.name);
+        let key = node.schema.full_name(schema::TEXELS.name);
         log.add(value.span(), CaseError::Length { key, what: "numbers", said: sides.len(), expected: 2 });
         return None;
     };

@@ -47,6 +47,14 @@ static FILES: &[(&str, &[u8])] = embedded![
     "penumbra/three-regions.toml",
     "penumbra/tilted-occluder.toml",
     "penumbra/two-shadows.toml",
+    "texture/blended-panel.toml",
+    "texture/checker-panel.toml",
+    "texture/cross.png",
+    "texture/globe.toml",
+    "texture/picture-panel.toml",
+    "texture/sectors.toml",
+    "texture/slanted-triangle.toml",
+    "texture/tiled-ball.toml",
 ];
 
 /// A case that is part of the program.

@@ -210,9 +210,10 @@ fn exact_to_end(options: &Exact) -> Result<(), u8> {
         truths.push(found.iter().map(|found| found.truth).collect());
         derivatives.push(found);
     }
+    let albedos: Vec<_> = cases.iter().map(|case| case.configuration.albedos()).collect();
     let rows = cases.iter().zip(&truths).enumerate().map(|(i, (case, truths))| ExactCase {
         name: &case.name,
-        albedo: case.configuration.albedo(),
+        albedos: albedos[i].as_deref(),
         points: case.configuration.points(),
         truths,
         derivatives: derivatives.get(i).map_or(&[], Vec::as_slice),

@@ -145,7 +145,34 @@ region: what a point sees of the sources, decided from outlines and not from num
   edge           cannot be told within the bound
 ";
 
-const TOPICS: [(&str, &str, &str); 9] = [
+const TEXTURE: &str = "\
+texture: an exitance or an albedo that varies over a surface, read from a picture, a chessboard or a polynomial.
+
+  exitance = { checker = [8, 4], white = 2.0, black = 0.2 }
+  exitance = { image = \"cross.png\", encoding = \"linear\", white = 4.0, lookup = \"bilinear\" }
+  exitance = { polynomial = [e00, e10, e01, e20, e11, e02] }        on a rectangle, metres from its centre
+  albedo   = { checker = [12, 11], white = 0.9, black = 0.1 }
+
+Where a point lies on the map, (s, t) in the unit square, the lower left pixel at (0, 0):
+  rectangle   along edge_u and along edge_v
+  triangle    affine; `map`: \"similar\" (the default) undoes the distortion, \"half-square\" shears, or three corners
+  disk        azimuth / 2 pi from `zero`, counter-clockwise seen from the lit side; (distance / radius)^2
+  sphere      longitude / 2 pi eastwards from `equator`; angle from the south pole / pi, `north` up
+
+Areas of texels are exact: sin(angle) on a sphere, what the sides leave on a triangle. Read by `texel` (the one that is
+hit) or `bilinear`: then values are blended over the texels' borders in coordinates of equal area, across a sphere's seam
+too, and towards the mean of its row at a pole. Either way the integral is the sum over texels of value times area; on
+triangles one factor for the whole map sees to it.
+
+Pictures are PNG, of up to 16 bits; `encoding` says whether their numbers are `linear` in light or `srgb`. Colours count by
+their luminance (Rec. 709), opacity does not count.
+
+The exact side sums texels in closed form on rectangles and triangles, and takes strips that are parted at the texels'
+borders on disks and spheres, and where values are interpolated. Variances are predicted with the texture.
+Derivatives (`exact --derivative`) are left empty where a textured source is seen.
+";
+
+const TOPICS: [(&str, &str, &str); 10] = [
     ("verdict", "pass, fail, undecided: what they promise", VERDICT),
     ("bias", "the mean estimate is the exact irradiance", BIAS),
     ("variance", "errors are as large as predicted", VARIANCE),
@@ -154,6 +181,7 @@ const TOPICS: [(&str, &str, &str); 9] = [
     ("caustic", "rings of a caustic get the flux that is due", CAUSTIC),
     ("rate", "slopes of log variance over log N", RATE),
     ("correlation", "errors of two points against their distance", CORRELATION),
+    ("texture", "exitance and albedo from pictures, chessboards, polynomials", TEXTURE),
     ("region", "lit, penumbra, umbra, below_horizon, edge", REGION),
 ];
 

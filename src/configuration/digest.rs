@@ -7,6 +7,7 @@ use sha2::{Digest as _, Sha256};
 
 use super::{Configuration, Contents, GlassShape, Lamp, MirrorShape, ReceiverShape};
 use crate::geometry::{Rectangle, Shape, Sphere};
+use crate::texture::{ExitancePolynomial, Lookup, Texture};
 
 /// SHA-256 over the physical content: shapes, exitances, albedo and measurement points, each number by its bits.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
@@ -21,12 +22,15 @@ impl Digest {
         for source in &room.sources {
             content.shape(&source.shape);
             content.number(source.exitance.watts_per_square_metre());
+            // What has no texture is fingerprinted as ever.
+            source.texture.iter().for_each(|texture| content.texture(texture));
         }
         content.count(room.occluders.len());
         room.occluders.iter().for_each(|shape| content.shape(shape));
         if let Some(receiver) = &room.receiver {
             content.receiver(receiver.shape());
             content.number(receiver.albedo().map_or(-1.0, |albedo| albedo.ratio()));
+            receiver.texture().into_iter().for_each(|texture| content.texture(texture));
         }
         content.count(room.points.len());
         for point in &room.points {
@@ -182,6 +186,29 @@ impl Content {
             GlassShape::PlanoConvex(s) => {
                 self.vectors(&[s.vertex(), s.axis()]);
                 [s.curvature_radius(), s.rim_radius()].into_iter().for_each(|x| self.number(x));
+            }
+        }
+    }
+    fn texture(&mut self, texture: &Texture) {
+        match texture {
+            Texture::Texels(texels) => {
+                self.tag(match texels.lookup() {
+                    Lookup::Nearest => "texels",
+                    Lookup::Bilinear => "texels, blended",
+                });
+                let grid = texels.raster().grid();
+                self.count(grid.ns());
+                self.count(grid.nt());
+                texels.raster().values().iter().for_each(|value| self.number(*value));
+                // The map by where it puts things: three places tell any two maps of one surface apart.
+                for at in [[0.0, 0.0], [0.125, 0.25], [0.5, 0.625]] {
+                    self.vector(texels.map().to_surface(at));
+                }
+            }
+            Texture::Polynomial(on) => {
+                self.tag("polynomial");
+                let ExitancePolynomial { e00, e10, e01, e20, e11, e02 } = *on.polynomial();
+                [e00, e10, e01, e20, e11, e02].into_iter().for_each(|e| self.number(e));
             }
         }
     }

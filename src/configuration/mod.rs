@@ -9,10 +9,13 @@ mod optic;
 mod receiver;
 mod validate;
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
 use crate::geometry::{Shape, ShapeError};
 use crate::radiometry::{Albedo, Beam, Exitance, PointSource};
+use crate::texture::{Texture, TextureError};
 
 pub use diffuse::DiffuseSurface;
 pub use digest::Digest;
@@ -24,7 +27,9 @@ pub use validate::ConfigurationError;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Source {
     shape: Shape,
+    /// Over all of it, or the mean of its texture.
     exitance: Exitance,
+    texture: Option<Arc<Texture>>,
 }
 
 impl Source {
@@ -37,14 +42,39 @@ impl Source {
         if let Shape::Mesh(_) = shape {
             return Err(ConfigurationError::MeshSource);
         }
-        Ok(Source { shape, exitance })
+        Ok(Source { shape, exitance, texture: None })
     }
+
+    /// A source whose exitance varies over it.
+    ///
+    /// - `texture`: W/m², laid out on the same shape; some of it above zero
+    pub fn textured(shape: Shape, texture: Texture) -> Result<Source, ConfigurationError> {
+        let mean = texture.mean();
+        if mean <= 0.0 {
+            return Err(ConfigurationError::Texture(TextureError::Dark));
+        }
+        let source = Source::new(shape, Exitance::new(mean))?;
+        Ok(Source { texture: Some(Arc::new(texture)), ..source })
+    }
+
     pub fn shape(&self) -> &Shape {
         &self.shape
     }
-    /// W/m².
+    /// W/m²; of a textured source, the mean over its surface.
     pub fn exitance(&self) -> Exitance {
         self.exitance
+    }
+    /// What its exitance is read from, where that varies; W/m².
+    pub fn texture(&self) -> Option<&Arc<Texture>> {
+        self.texture.as_ref()
+    }
+    /// At a point of its surface (metres).
+    pub fn exitance_at(&self, point: DVec3) -> Exitance {
+        self.texture.as_ref().map_or(self.exitance, |texture| Exitance::new(texture.at(point)))
+    }
+    /// The most that it sends out anywhere, or somewhat more.
+    pub fn largest_exitance(&self) -> Exitance {
+        self.texture.as_ref().map_or(self.exitance, |texture| Exitance::new(texture.range()[1]))
     }
 }
 
@@ -180,8 +210,11 @@ impl Configuration {
         }
         let emits = |surface: &&DiffuseSurface| surface.exitance().watts_per_square_metre() > 0.0;
         let outward = || contents.diffuse.iter().filter(|surface| !surface.is_inward());
-        let of_diffuse =
-            outward().filter(emits).map(|surface| Source { shape: surface.as_shape(), exitance: surface.exitance() });
+        let of_diffuse = outward().filter(emits).map(|surface| Source {
+            shape: surface.as_shape(),
+            exitance: surface.exitance(),
+            texture: None,
+        });
         let sources = contents.sources.iter().cloned().chain(of_diffuse).collect();
         let mut blockers = contents.occluders.clone();
         blockers.extend(contents.mirrors.iter().filter_map(|mirror| mirror.shape().outline()).flatten());
@@ -232,13 +265,19 @@ impl Configuration {
     pub fn arrangement(&self) -> Arrangement {
         self.contents.arrangement
     }
-    /// Share of light that the receiver sends back; `None` where the case names no receiver or no albedo.
+    /// Share of light that the receiver sends back, on average over it; `None` where the case names no receiver or no albedo.
     pub fn albedo(&self) -> Option<Albedo> {
         self.receiver().and_then(Receiver::albedo)
     }
     /// Whether any light is bent: then direct light is not all there is.
     pub fn has_optics(&self) -> bool {
         !self.contents.mirrors.is_empty() || !self.contents.glass.is_empty()
+    }
+    /// Share of light that the receiver sends back at each measurement point, read there if it is textured; `None` where the
+    /// case names no receiver or no albedo.
+    pub fn albedos(&self) -> Option<Vec<Albedo>> {
+        let receiver = self.receiver()?;
+        self.points().iter().map(|point| receiver.albedo_at(point.position())).collect()
     }
     /// A fingerprint of everything physical, and of nothing else: names, titles and study settings do not enter.
     pub fn digest(&self) -> Digest {

@@ -5,6 +5,7 @@ use thiserror::Error;
 
 use super::Contents;
 use crate::geometry::{Frame, Polygon, Shape};
+use crate::texture::TextureError;
 
 /// A point this near to a surface, in units of the coordinates at hand, is on it: its distance is rounding.
 const ON_SURFACE: f64 = 8.0 * f64::EPSILON;
@@ -17,6 +18,8 @@ pub enum ConfigurationError {
     Exitance { said: f64 },
     #[error("albedo is {said}; it lies between 0 and 1")]
     Albedo { said: f64 },
+    #[error(transparent)]
+    Texture(TextureError),
     #[error("a mesh cannot be a source; sources are disk, rectangle, polygon or sphere")]
     MeshSource,
     #[error("the case has no source; it needs at least one [[source.SHAPE]]")]
@@ -118,9 +121,6 @@ fn surfaces_of_optics(room: &Contents) -> impl Iterator<Item = (&'static str, us
     let diffuse = room.diffuse.iter().enumerate().filter(|(_, surface)| !surface.is_inward());
     mirrors.chain(glass).chain(diffuse.map(|(i, surface)| ("diffuse", i, surface.as_shape())))
 }
-
-/// Centres and radii, metres.
-type Balls = Vec<(DVec3, f64)>;
 
 /// A sphere that holds a shape: about the middle of its box.
 fn ball_around(shape: &Shape) -> (DVec3, f64) {

@@ -1,5 +1,7 @@
 //! What sends rays, and the rays that it sends in one group.
 
+use std::sync::Arc;
+
 use super::aim::{self, Cone, Lobe, Spot, Target};
 use super::chain::Ray;
 use super::draws::Draws;
@@ -8,6 +10,7 @@ use super::settings::Aim;
 use crate::configuration::{Configuration, Lamp, ReceiverShape};
 use crate::geometry::{DVec3, Frame, Shape};
 use crate::sampling::Surface;
+use crate::texture::Texture;
 
 /// Rays at each target for one that goes elsewhere.
 const AIMED_FOR_ONE: usize = 8;
@@ -38,6 +41,7 @@ enum Kind {
         start: Start,
         side: f64,
         targets: Vec<Target>,
+        texture: Option<Arc<Texture>>,
     },
 }
 
@@ -64,7 +68,7 @@ pub(super) fn emitters(configuration: &Configuration, room: &Room, aim: Aim) -> 
             (center - ball.center).length() <= radius + ball.radius
         })
     };
-    let area = |shape: &Shape, start: Start, side: f64, power: f64| {
+    let area = |shape: &Shape, texture: Option<&Arc<Texture>>, start: Start, side: f64, power: f64| {
         let (low, high) = shape.bounds();
         let ball = match shape {
             Shape::Sphere(s) => Target { center: s.center(), radius: s.radius() },
@@ -76,12 +80,12 @@ pub(super) fn emitters(configuration: &Configuration, room: &Room, aim: Aim) -> 
         if targets.iter().any(|target| (target.center - ball.center).length() <= target.radius) {
             targets.clear();
         }
-        let kind = Kind::Area { surface, start, side, targets };
+        let kind = Kind::Area { surface, start, side, targets, texture: texture.cloned() };
         Some(Emitter { power, kind, near_glass: is_near(&ball) })
     };
     let sources = configuration.sources().iter().enumerate().filter_map(|(k, source)| {
         let power = source.exitance().watts_per_square_metre() * source.shape().area();
-        area(source.shape(), room.of_source(k), 1.0, power)
+        area(source.shape(), source.texture(), room.of_source(k), 1.0, power)
     });
     let lamps = contents.lamps.iter().map(|lamp| match lamp {
         Lamp::Point(lamp) => {
@@ -102,7 +106,7 @@ pub(super) fn emitters(configuration: &Configuration, room: &Room, aim: Aim) -> 
     let enclosures = enclosures.filter_map(|(k, surface)| {
         let ReceiverShape::Sphere(sphere) = surface.shape() else { return None };
         let power = surface.exitance().watts_per_square_metre() * sphere.area();
-        area(&Shape::Sphere(*sphere), room.of_diffuse(k), -1.0, power)
+        area(&Shape::Sphere(*sphere), None, room.of_diffuse(k), -1.0, power)
     });
     let all = sources.chain(lamps).chain(enclosures);
     all.filter(|emitter| emitter.power > 0.0).collect()
@@ -154,8 +158,8 @@ impl Emitter {
                 }
                 ray(aim::place_outside(spots, draws), rest);
             }
-            Kind::Area { surface, start, side, targets } => {
-                let offset = draws.on(surface);
+            Kind::Area { surface, start, side, targets, texture } => {
+                let offset = place(surface, texture.as_deref(), draws);
                 let from = surface.origin() + offset;
                 let normal = surface.flat_normal().unwrap_or_else(|| offset.normalize()) * *side;
                 aim::lobes(targets, from, normal, lobes);
@@ -174,6 +178,19 @@ impl Emitter {
                     ray(aim::cosine_outside(lobes, normal, draws), rest / others as f64);
                 }
             }
+        }
+    }
+}
+
+/// A place where a unit of emitted power starts, as an offset from the surface's origin: where a texture is brighter, more
+/// often, so that all groups carry the same flux and the books hold the source's power as it is.
+fn place(surface: &Surface, texture: Option<&Texture>, draws: &mut Draws) -> DVec3 {
+    let Some(texture) = texture else { return draws.on(surface) };
+    let [_, brightest] = texture.range();
+    loop {
+        let offset = draws.on(surface);
+        if draws.unit() * brightest < texture.at(surface.origin() + offset) {
+            return offset;
         }
     }
 }

@@ -247,7 +247,7 @@ fn case_outcome(name: &str, title: &str, arrangement: Arrangement) -> CaseOutcom
         title: title.to_owned(),
         digest,
         arrangement,
-        albedo: Some(Albedo::new(0.5)),
+        albedos: Some(vec![Albedo::new(0.5); points.len()]),
         points,
         truths,
         strategies,

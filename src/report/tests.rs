@@ -103,7 +103,7 @@ fn tables_of(outcome: &RunOutcome) -> Vec<(&'static str, Vec<u8>)> {
     let mut exact = Vec::new();
     let cases = outcome.cases.iter().enumerate().map(|(i, case)| ExactCase {
         name: &case.name,
-        albedo: case.albedo.filter(|_| i == 0),
+        albedos: case.albedos.as_deref().filter(|_| i == 0),
         points: &case.points,
         truths: &case.truths,
         derivatives: &[],

@@ -24,7 +24,8 @@ pub struct CaseOutcome {
     pub title: String,
     pub digest: Digest,
     pub arrangement: Arrangement,
-    pub albedo: Option<Albedo>,
+    /// The receiver's, one for each point.
+    pub albedos: Option<Vec<Albedo>>,
     pub points: Vec<MeasurementPoint>,
     /// One for each point.
     pub truths: Vec<Truth>,

@@ -441,10 +441,87 @@ fn what_later_versions_will_read_is_named() {
     let [mistake] = found.mistakes() else { panic!("{found}") };
     assert_eq!(told(mistake), (1, 10, &CaseError::NotYet { key: "source.mesh".into() }));
     assert!(mistake.error.to_string().ends_with("is not supported by this version yet"));
-    let texture = broken("albedo = 0.5", "albedo = { texture = \"a.png\" }");
-    assert_eq!(told(&texture), (15, 10, &CaseError::NotYet { key: "receiver.albedo as a table".into() }));
-    let field = broken("exitance = 2", "exitance = { polynomial = [[1.0]] }");
-    assert_eq!(told(&field), (11, 12, &CaseError::NotYet { key: "source.rectangle.exitance as a table".into() }));
+}
+
+/// A texture in the place of the rectangle's exitance.
+fn broken_texture(keys: &str) -> Mistake {
+    broken("exitance = 2", &format!("exitance = {{ {keys} }}"))
+}
+
+#[test]
+fn textures_are_read() {
+    let checker = "exitance = { checker = [4, 2], white = 3.0, black = 1.0, lookup = \"bilinear\" }";
+    let case = Case::from_toml("a", &SOUND.replace("exitance = 2", checker)).unwrap();
+    let source = &case.configuration.sources()[1];
+    let texture = source.texture().expect("a texture");
+    assert_eq!(texture.range(), [1.0, 3.0]);
+    assert_eq!(source.exitance().watts_per_square_metre(), 2.0, "the mean");
+    assert_eq!(texture.integral(), 2.0 * source.shape().area());
+    let plain = Case::from_toml("a", SOUND).unwrap();
+    assert_ne!(case.configuration.digest(), plain.configuration.digest());
+    let other = Case::from_toml("a", &SOUND.replace("exitance = 2", &checker.replace("[4, 2]", "[2, 4]"))).unwrap();
+    assert_ne!(case.configuration.digest(), other.configuration.digest());
+    let albedo = SOUND.replace("albedo = 0.5", "albedo = { checker = [2, 1], white = 0.75, black = 0.25 }");
+    let case = Case::from_toml("a", &albedo).unwrap();
+    let albedos: Vec<f64> = case.configuration.albedos().unwrap().iter().map(|albedo| albedo.ratio()).collect();
+    assert_eq!(albedos, [0.25; 5], "the line runs over the right half");
+    let hill = "exitance = { polynomial = [2.0, 0.0, 0.0, -1.0, 0.0, -1.0] }";
+    let case = Case::from_toml("a", &SOUND.replace("exitance = 2", hill)).unwrap();
+    let mean = case.configuration.sources()[1].exitance().watts_per_square_metre();
+    approx::assert_relative_eq!(mean, 2.0 - 2.0 * 0.16 / 12.0, max_relative = 1e-15);
+}
+
+#[test]
+fn a_texture_that_cannot_be_is_told() {
+    let error = |keys: &str| broken_texture(keys).error;
+    let said = |keys: &str| error(keys).to_string();
+    assert!(matches!(error("white = 1.0"), CaseError::NoTexture { .. }));
+    let two = error("checker = [2, 2], polynomial = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0]");
+    assert!(matches!(two, CaseError::TwoTextures { first: "checker", second: "polynomial", .. }), "{two}");
+    assert!(matches!(error("checker = [0, 2]"), CaseError::Count { .. }));
+    assert!(matches!(error("checker = [2]"), CaseError::Length { .. }));
+    assert!(matches!(error("checker = [60000, 60000]"), CaseError::TooMany { what: "texels", .. }));
+    assert!(matches!(error("checker = [2, 2], white = -1.0"), CaseError::Number { said: -1.0, .. }));
+    assert!(matches!(error("checker = [2, 2], white = inf"), CaseError::NotFinite { .. }));
+    assert!(said("checker = [2, 2], white = 0.0").contains("every texel of the surface is zero"));
+    let north = error("checker = [2, 2], north = [0, 0, 1]");
+    assert!(matches!(north, CaseError::ForeignKey { accepted: "spheres", shape: "rectangle", .. }), "{north}");
+    assert_eq!(broken_texture("cheker = [2, 2]").error.nearest(), Some("checker"));
+    assert!(matches!(error("checker = [2, 2], lookup = \"cubic\""), CaseError::UnknownName { .. }));
+    assert!(said("polynomial = [1.0, 9.0, 0.0, 0.0, 0.0, 0.0]").contains("falls to -0.8"));
+    assert!(matches!(error("polynomial = [1.0, 9.0]"), CaseError::Length { expected: 6, .. }));
+    assert!(matches!(error("image = \"a.png\""), CaseError::MissingKey { key: "encoding", .. }));
+    let bright = broken("albedo = 0.5", "albedo = { checker = [2, 2], white = 1.5 }");
+    assert_eq!(bright.error, CaseError::Configuration(ConfigurationError::Albedo { said: 1.5 }));
+    let quadrangle = "[[source.polygon]]\nvertices = [[0, 0, 3], [0, 1, 3], [1, 1, 3], [1, 0, 3]]\nexitance = { checker = [2, 2] }\n";
+    let found = mistakes(&SOUND.replace("[[occluder.polygon]]", &format!("{quadrangle}[[occluder.polygon]]")));
+    assert!(matches!(found.mistakes(), [only] if only.error == CaseError::NoMap { said: 4 }), "{found}");
+    let folded =
+        quadrangle.replace(", [1, 0, 3]", "").replace("[2, 2]", "[2, 2], map = [[0, 0], [1, 1], [0.5, 0.5]]");
+    let found = mistakes(&SOUND.replace("[[occluder.polygon]]", &format!("{folded}[[occluder.polygon]]")));
+    assert!(found.to_string().contains("the map's triangle is degenerate"), "{found}");
+    let globe =
+        "[[source.sphere]]\ncenter = [0, 0, 5]\nradius = 1\nexitance = { checker = [2, 2], equator = [0, 0, -1] }\n";
+    let found = mistakes(&SOUND.replace("[[occluder.polygon]]", &format!("{globe}[[occluder.polygon]]")));
+    assert!(found.to_string().contains("equator points along north"), "{found}");
+}
+
+#[test]
+fn a_picture_that_cannot_be_used_is_told() {
+    let told = |file: &str| {
+        let text =
+            SOUND.replace("exitance = 2", &format!("exitance = {{ image = \"{file}\", encoding = \"linear\" }}"));
+        let folder = folder(&[("a.toml", &text), ("no.png", "v 0 0 0"), ("empty.png", "")]);
+        let found = Case::read(&folder.path().join("a.toml")).unwrap_err();
+        let [mistake] = found.mistakes() else { panic!("{found}") };
+        assert_eq!(mistake.line(), 11);
+        mistake.error.clone()
+    };
+    assert!(matches!(told("missing.png"), CaseError::MeshFile { fault: MeshFileFault::Unreadable { .. }, .. }));
+    assert!(matches!(told("../no.png"), CaseError::MeshFile { fault: MeshFileFault::Outside, .. }));
+    for file in ["no.png", "empty.png"] {
+        assert!(matches!(told(file), CaseError::Picture { .. }), "{file}");
+    }
 }
 
 /// Light that takes a bend, all kinds once.

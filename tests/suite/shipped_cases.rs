@@ -159,6 +159,13 @@ const BORDERS: &[(&str, &[(f64, Sees)])] = &[
     ("penumbra/three-regions", &[(0.7, Nothing), (1.3, Part), (9.0, All)]),
     ("penumbra/tilted-occluder", &[(-1.2358, All), (-0.2770, Part), (0.2900, Nothing), (0.5807, Part), (9.0, All)]),
     ("penumbra/two-shadows", &[(-1.65, All), (1.7, Part), (9.0, All)]),
+    ("texture/blended-panel", &[(9.0, All)]),
+    ("texture/checker-panel", &[(-0.825, All), (9.0, Part)]),
+    ("texture/globe", &[(9.0, All)]),
+    ("texture/picture-panel", &[(9.0, All)]),
+    ("texture/sectors", &[(-0.9563, All), (1.4478, Part), (9.0, All)]),
+    ("texture/slanted-triangle", &[(9.0, All)]),
+    ("texture/tiled-ball", &[(64.919, All), (76.340, Part), (91.0, Nothing)]),
 ];
 
 /// Tested by themselves: its shadow has two dimensions, and its mesh is that of another case.

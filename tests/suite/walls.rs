@@ -21,6 +21,7 @@ const ROOMS: &[(&str, u8, Wing)] = &[
     ("oracle", 4, Wing::Truth),
     ("configuration", 3, Wing::Shared),
     ("radiometry", 2, Wing::Shared),
+    ("texture", 2, Wing::Shared),
     ("geometry", 1, Wing::Shared),
     ("statistics", 1, Wing::Shared),
     ("number", 0, Wing::Shared),

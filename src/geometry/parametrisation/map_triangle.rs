@@ -68,11 +68,6 @@ impl MapTriangle {
         self.corners
     }
 
-    /// Whether the corners run clockwise in the map: then the surface shows its picture mirrored.
-    pub fn is_mirrored(&self) -> bool {
-        self.twice_signed_area() < 0.0
-    }
-
     /// The share of the unit square.
     pub fn area(&self) -> f64 {
         0.5 * self.twice_signed_area().abs()

@@ -72,7 +72,9 @@ proptest! {
 
     #[test]
     fn a_texel_is_the_integral_of_the_density(map in parametrisation(), i in 0..5_usize, j in 0..7_usize) {
-        prop_assume!(map.map_triangle().is_none());
+        if map.map_triangle().is_some() {
+            return Ok(());
+        }
         let grid = TexelGrid::new(5, 7).unwrap();
         let [[s0, s1], [t0, t1]] = grid.extent(Texel { i, j });
         let integral = gauss_10(0.5 * (t0 + t1), 0.5 * (t1 - t0), |t| map.density([s0, t]) * (s1 - s0));

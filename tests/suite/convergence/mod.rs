@@ -52,6 +52,13 @@ cases! {
     three_regions_converges: "penumbra/three-regions",
     tilted_occluder_converges: "penumbra/tilted-occluder",
     two_shadows_converges: "penumbra/two-shadows",
+    blended_panel_converges: "texture/blended-panel",
+    checker_panel_converges: "texture/checker-panel",
+    globe_converges: "texture/globe",
+    picture_panel_converges: "texture/picture-panel",
+    sectors_converges: "texture/sectors",
+    slanted_triangle_converges: "texture/slanted-triangle",
+    tiled_ball_converges: "texture/tiled-ball",
 }
 
 #[test]
