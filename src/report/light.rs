@@ -46,13 +46,13 @@ pub(super) fn energy<'a>() -> Table<EnergyRow<'a>> {
             column!(
                 "exact_deposited_W",
                 "W",
-                "what should have been deposited; empty where it is not known (see `caustic.csv` for parts that are)",
+                "what should have been deposited, in closed form or by quadrature; empty where it is not known (see `caustic.csv` for parts that are)",
                 |r| r.books.exact_deposited
             ),
             column!(
                 "verdict",
                 "",
-                "`pass` where residual, emitted less source power, and map integral less deposited are below 1e-12 of the source power, else `fail`",
+                "`pass` where residual, emitted less source power, and map integral less deposited are below 1e-12 of the source power, else `fail`; whether the deposited share is right, too, says the verdict `energy` of the case",
                 |r| r.books.verdict.name()
             ),
         ],
@@ -76,16 +76,16 @@ pub(super) fn caustic_rows(outcome: &RunOutcome) -> impl Iterator<Item = Caustic
 pub(super) fn caustic<'a>() -> Table<CausticRow<'a>> {
     Table {
         file: "caustic.csv",
-        row: "the mean irradiance over one ring around the axis (or over the whole receiver), by light of one order, from the largest budget of rays",
+        row: "the mean irradiance over one ring around the axis (or over one tile of the receiver, or all of it), by light of one order, from the largest budget of rays",
         case: |r| &r.case.name,
         columns: vec![
             column!("case", "", "the case's name", |r| r.case.name.as_str()),
             column!("order", "", "interactions with mirrors and glass on the way", |r| r.bin.order),
-            column!("bin", "", "which ring, from 0, outwards", |r| r.bin.bin),
+            column!("bin", "", "which ring, from 0, outwards; which tile, from 0, along s, then t", |r| r.bin.bin),
             column!(
                 "position_m",
                 "m",
-                "the middle of the ring's inner and outer radius; empty for a whole receiver",
+                "the middle of the ring's inner and outer radius; empty for a tile and for a whole receiver",
                 |r| r.bin.radii.map(|[inner, outer]| 0.5 * (inner + outer))
             ),
             column!("measured_irradiance_W_m2", "W/m²", "flux that landed over the ring's area", |r| {

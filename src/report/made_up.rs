@@ -276,6 +276,7 @@ fn light() -> LightOutcome {
         order: 2,
         bin: 0,
         radii: Some([0.0, 0.5]),
+        tile: None,
         area: 0.25 * PI,
         measured: 0.5,
         std_error: Some(0.01),

@@ -88,7 +88,7 @@ impl LightRow {
     }
 }
 
-/// One ring around the axis of a caustic, and what light of one order brought to it.
+/// One ring around the axis of a caustic, one tile of the receiver, or all of it, and what light of one order brought to it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CausticBin {
     /// Interactions on the way.
@@ -96,6 +96,8 @@ pub struct CausticBin {
     pub bin: usize,
     /// Inner and outer, metres; `None` for the whole receiver.
     pub radii: Option<[f64; 2]>,
+    /// Which tile of the receiver, along s and t; `None` for rings and for the whole receiver.
+    pub tile: Option<[usize; 2]>,
     /// Square metres.
     pub area: f64,
     /// W.
