@@ -2,7 +2,7 @@
 
 use super::column::{Column, Field, Table};
 use super::tables::column;
-use crate::trial::{CaseOutcome, CausticBin, LightRow, RunOutcome};
+use crate::trial::{CaseOutcome, CausticBin, LightRow, MapRow, RunOutcome};
 
 /// The books of one budget of rays.
 pub(super) struct EnergyRow<'a> {
@@ -103,6 +103,52 @@ pub(super) fn caustic<'a>() -> Table<CausticRow<'a>> {
                 "`fail` where the evidence against this ring alone reaches 10^6, `undecided` where a deviation of all of it would not have been seen, else `pass`",
                 |r| r.bin.verdict.name()
             ),
+        ],
+        more: &[],
+    }
+}
+
+/// Squares of texels of one size, of one case's map.
+pub(super) struct TexelRow<'a> {
+    case: &'a CaseOutcome,
+    texels: &'a MapRow,
+}
+
+pub(super) fn texel_rows(outcome: &RunOutcome) -> impl Iterator<Item = TexelRow<'_>> {
+    outcome.cases.iter().flat_map(|case| {
+        let light = case.light.iter();
+        light.flat_map(move |light| light.texels.iter().map(move |texels| TexelRow { case, texels }))
+    })
+}
+
+pub(super) fn texels<'a>() -> Table<TexelRow<'a>> {
+    Table {
+        file: "texels.csv",
+        row: "what the receiver's map of bent light is off by: squares of texels of one size, over many places, after one budget of rays",
+        case: |r| &r.case.name,
+        columns: vec![
+            column!("case", "", "the case's name", |r| r.case.name.as_str()),
+            column!("rays", "", "rays that left the sources", |r| r.texels.rays),
+            column!("size_m", "m", "the root of a square's area", |r| r.texels.size),
+            column!("places", "", "squares that were compared, away from caustics and edges of the light", |r| r
+                .texels
+                .places),
+            column!("irradiance_W_m2", "W/m²", "exact, at the squares' middles, on average", |r| r
+                .texels
+                .irradiance),
+            column!(
+                "bias_W_m2",
+                "W/m²",
+                "what squares are off the exact irradiance in their middles: root mean square, less the predicted noise",
+                |r| r.texels.bias
+            ),
+            column!("exact_bias_W_m2", "W/m²", "the same of the squares' exact means", |r| r.texels.exact_bias),
+            column!("variance_W2_m4", "W²/m⁴", "what squares are off their own exact means: mean square", |r| r
+                .texels
+                .variance),
+            column!("predicted_variance_W2_m4", "W²/m⁴", "the same as counts of equal packets have it", |r| r
+                .texels
+                .predicted_variance),
         ],
         more: &[],
     }

@@ -33,7 +33,7 @@ fn rows(content: &[u8]) -> (Vec<String>, Vec<Vec<String>>) {
 }
 
 /// Columns as the contract lists them, and which of them may be empty.
-const CONTRACT: [(&str, &str, &str); 9] = [
+const CONTRACT: [(&str, &str, &str); 10] = [
     (
         "convergence.csv",
         "case, strategy, point, x_m, y_m, z_m, region, samples, replicates, exact_irradiance_W_m2, \
@@ -53,6 +53,11 @@ const CONTRACT: [(&str, &str, &str); 9] = [
         "caustic.csv",
         "case, order, bin, position_m, measured_irradiance_W_m2, std_error_W_m2, exact_irradiance_W_m2, verdict",
         "position_m, std_error_W_m2",
+    ),
+    (
+        "texels.csv",
+        "case, rays, size_m, places, irradiance_W_m2, bias_W_m2, exact_bias_W_m2, variance_W2_m4, predicted_variance_W2_m4",
+        "",
     ),
     (
         "verdicts.csv",

@@ -9,9 +9,11 @@
 
 use std::time::Instant;
 
+use super::map_error;
 use super::outcome::{CausticBin, JudgedProperty, LightOutcome, LightRow, Timing};
 use crate::case::{Case, SmallestBias};
 use crate::configuration::Configuration;
+use crate::geometry::TexelGrid;
 use crate::light::{Light, LightRun, LightSettings, Moments, trace};
 use crate::oracle::optics::{Bounded, CausticLayout, CupLayout, deposited_power, power_by_flat_mirror};
 use crate::statistics::evidence::{THRESHOLD_LOG10, ln_average, log10_capped, smallest_shift};
@@ -44,10 +46,17 @@ pub(super) fn light(
     let start = Instant::now();
     let mut rows = Vec::new();
     let mut last = None;
+    let mut texels = Vec::new();
+    let grid = TexelGrid::new(case.light.map[0], case.light.map[1]).ok();
+    let squares = match (&layout, grid) {
+        (Some(layout), Some(grid)) => map_error::squares(room, layout, grid),
+        _ => Vec::new(),
+    };
     for rays in [most.div_ceil(16), most.div_ceil(4), most] {
         let settings = LightSettings { rays, ..case.light.clone() };
         let run = trace(room, &settings, seed);
         rows.push(row(&run, due));
+        texels.extend(map_error::rows(&run, &squares));
         last = Some(run);
     }
     let run = last?;
@@ -60,7 +69,7 @@ pub(super) fn light(
     verdicts.extend(caustic(&run, &bins, smallest, reproduce));
     let rays = rows.iter().map(|row| row.rays).sum();
     let timing = Timing { stage: "light", rays, seconds, efficiency: None };
-    Some(LightOutcome { rows, bins, verdicts, timing })
+    Some(LightOutcome { rows, bins, texels, verdicts, timing })
 }
 
 /// The books of one run.

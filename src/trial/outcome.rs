@@ -53,6 +53,8 @@ pub struct LightOutcome {
     pub rows: Vec<LightRow>,
     /// Rings of the largest budget that an exact value is known of, by order and then outwards.
     pub bins: Vec<CausticBin>,
+    /// What the receiver's map is off by, for each budget of rays and size of texels; empty where it is not known.
+    pub texels: Vec<MapRow>,
     pub verdicts: Vec<JudgedProperty>,
     pub timing: Timing,
 }
@@ -86,6 +88,26 @@ impl LightRow {
         let gaps = [self.residual, self.emitted - self.source_power, self.map_integral - self.deposited];
         gaps.into_iter().map(f64::abs).fold(0.0, f64::max) / self.source_power.max(f64::MIN_POSITIVE)
     }
+}
+
+/// Squares of texels of one size, and what they are off by.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MapRow {
+    pub rays: u64,
+    /// Root of a square's area, metres.
+    pub size: f64,
+    /// Squares.
+    pub places: usize,
+    /// Exact, at their middles, on average, W/m².
+    pub irradiance: f64,
+    /// Root mean square of what squares are off their middles' exact irradiance, less the predicted noise, W/m².
+    pub bias: f64,
+    /// The same by exact values alone, W/m².
+    pub exact_bias: f64,
+    /// Mean square of what squares are off their own exact means, W²/m⁴.
+    pub variance: f64,
+    /// The same as the counts of rays predict it, W²/m⁴.
+    pub predicted_variance: f64,
 }
 
 /// One ring around the axis of a caustic, one tile of the receiver, or all of it, and what light of one order brought to it.

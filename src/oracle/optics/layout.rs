@@ -109,6 +109,29 @@ impl CausticLayout {
         Some(found?.scaled(self.scale))
     }
 
+    /// Irradiance in the middle of a part of a rectangle, and its mean over the part, W/m², with the part's area, m².
+    ///
+    /// - `s`, `t`: shares of the edges `edge_u` and `edge_v`, ascending
+    /// - `None` where an edge of the light, a caustic or the axis comes nearer to the part than it is wide
+    pub fn irradiance_of_part(&self, order: usize, s: [f64; 2], t: [f64; 2]) -> Option<(f64, f64, f64)> {
+        let (_, caustic) = self.orders.iter().find(|(known, _)| *known == order)?;
+        let ReceiverShape::Rectangle(receiver) = &self.screen.shape else { return None };
+        let extent = |edge: DVec3, [from, to]: [f64; 2]| {
+            let middle = (receiver.center() - self.foot).dot(edge.normalize());
+            [from, to].map(|share| middle + (share - 0.5) * edge.length())
+        };
+        let (x, y) = (extent(receiver.edge_u(), s), extent(receiver.edge_v(), t));
+        let radius = (0.5 * (x[0] + x[1])).hypot(0.5 * (y[0] + y[1]));
+        let across = (x[1] - x[0]).hypot(y[1] - y[0]);
+        if caustic.edges().iter().any(|edge| (edge - radius).abs() <= across) {
+            return None;
+        }
+        let middle = caustic.at(radius).ok()?.value()?;
+        let area = (x[1] - x[0]) * (y[1] - y[0]);
+        let mean = caustic.power_in_rectangle(x, y).ok()?.value / area;
+        (middle > 0.0).then_some((middle * self.scale, mean * self.scale, area))
+    }
+
     /// What lands within a radius of the foot after so many double reflections in the slab, all of them together, W; `None`
     /// where there is no slab.
     pub(super) fn through_slab(&self, glass: &Glass, lamp: DVec3, echoes: u32, radius: f64) -> Option<Bounded> {
