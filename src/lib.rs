@@ -51,11 +51,13 @@
 //! | module | its duty |
 //! |---|---|
 //! | [`geometry`] | shapes and frames, no light in them yet |
+//! | [`texture`] | what varies over a surface: maps, values on texels, lookups that lose nothing |
 //! | [`statistics`] | moments, intervals, evidence, verdicts; knows nothing of light |
 //! | [`radiometry`] | quantities and the products that are laws between them |
 //! | [`configuration`] | what stands in the room, valid by construction |
 //! | [`oracle`] | **truth**: exact irradiance with a bound on its error |
 //! | [`sampling`], [`scene`], [`estimator`] | **measurement**: streams and strategies, what blocks a ray, the estimator |
+//! | [`light`] | rays from the light: caustic maps, and the ledger of every watt |
 //! | [`case`] | case files; the shipped cases |
 //! | [`trial`] | a run: pilot, plan, measurement, judgement, where truth and measurement meet |
 //! | [`calibration`] | the gate itself, measured: false alarms, coverage, power |
@@ -69,6 +71,9 @@
 //! `etendue = { version = "0.1", default-features = false }` and has everything but those.
 //!
 //! # Limits
+//!
+//! Mirrors, glass, lamps without area and further diffuse surfaces are followed by rays from the light ([`light`]); the
+//! estimators and the exact side see them as what blocks direct light.
 //!
 //! Direct light of Lambertian sources (disk, rectangle, polygon, sphere) on points of any pose, behind opaque occluders (the
 //! same shapes and meshes). Estimators are judged on uniform sources; the exact side also takes an exitance that varies
@@ -95,6 +100,7 @@ pub mod cli;
 pub mod configuration;
 pub mod estimator;
 pub mod geometry;
+pub mod light;
 mod number;
 pub mod oracle;
 pub mod radiometry;
@@ -102,6 +108,7 @@ pub mod report;
 pub mod sampling;
 pub mod scene;
 pub mod statistics;
+pub mod texture;
 pub mod trial;
 
 pub use case::Case;

@@ -11,6 +11,8 @@ use super::place::Place;
 use super::schema::{self, Table};
 use crate::configuration::ConfigurationError;
 use crate::geometry::ShapeError;
+use crate::radiometry::RadiometryError;
+use crate::texture::TextureError;
 
 /// One thing that is wrong with a case file.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -55,12 +57,26 @@ pub enum CaseError {
     TooMany { what: &'static str, said: u128, limit: u64 },
     #[error("[{table}]: {error}")]
     Shape { table: &'static str, error: ShapeError },
+    #[error("[{table}]: {error}")]
+    Lamp { table: &'static str, error: RadiometryError },
     #[error("[{table}]: the area is {said:e} m²; {:e} to {:e} m² is accepted", schema::MIN_AREA, schema::MAX_MAGNITUDE * schema::MAX_MAGNITUDE)]
     Area { table: &'static str, said: f64 },
     #[error("`{file}` {fault}")]
     MeshFile { file: String, fault: MeshFileFault },
     #[error("the mesh `{file}` is broken: {error}")]
     Mesh { file: String, error: ObjError },
+    #[error("`{key}`: {error}")]
+    Texture { key: String, error: TextureError },
+    #[error("`{key}` describes no texture; it has one of {}", accepted.join(", "))]
+    NoTexture { key: String, accepted: Vec<&'static str> },
+    #[error("`{key}` has both `{first}` and `{second}`; one is accepted")]
+    TwoTextures { key: String, first: &'static str, second: &'static str },
+    #[error("`{key}` is for {accepted}; this is a {shape}")]
+    ForeignKey { key: String, accepted: &'static str, shape: &'static str },
+    #[error("a texture lies on a rectangle, a disk, a triangle or a sphere; this polygon has {said} vertices")]
+    NoMap { said: usize },
+    #[error("`{file}` is no picture that can be read: {said}")]
+    Picture { file: String, said: String },
     #[error("[receiver] has no shape; accepted: {}", accepted.join(", "))]
     NoReceiverShape { accepted: Vec<&'static str> },
     #[error("[receiver] has a second shape, `{said}`; one is accepted")]
@@ -134,7 +150,13 @@ impl CaseError {
             CaseError::Twice { .. } => "second time",
             CaseError::TooMany { .. } => "too many",
             CaseError::Shape { .. } | CaseError::Area { .. } => "impossible shape",
+            CaseError::Lamp { .. } => "out of range",
             CaseError::MeshFile { .. } | CaseError::Mesh { .. } => "cannot be used",
+            CaseError::Texture { .. } | CaseError::NoTexture { .. } => "no texture",
+            CaseError::TwoTextures { .. } => "two textures",
+            CaseError::ForeignKey { .. } => "not for this shape",
+            CaseError::NoMap { .. } => "no map",
+            CaseError::Picture { .. } => "cannot be used",
             CaseError::NoReceiverShape { .. } => "no shape",
             CaseError::SecondReceiverShape { .. } => "second shape",
             CaseError::NoReceiver { .. } => "no receiver",
@@ -143,7 +165,13 @@ impl CaseError {
                 ConfigurationError::NoSource => "no source",
                 ConfigurationError::NothingToMeasure => "nothing to measure",
                 ConfigurationError::PointOnSurface { .. } => "measured here",
-                ConfigurationError::Albedo { .. } | ConfigurationError::Exitance { .. } => "out of range",
+                ConfigurationError::Albedo { .. }
+                | ConfigurationError::Exitance { .. }
+                | ConfigurationError::Reflectance { .. }
+                | ConfigurationError::Ior { .. } => "out of range",
+                ConfigurationError::GlassOverlap { .. } => "cuts into another",
+                ConfigurationError::OutsideEnclosure { .. } => "out of the enclosure",
+                ConfigurationError::CurvedBefore { .. } => "may hide a source",
                 ConfigurationError::OffReceiver { .. } => "off the receiver",
                 _ => "",
             },

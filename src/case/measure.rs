@@ -4,15 +4,17 @@ use std::ops::Range;
 
 use super::error::CaseError;
 use super::schema::{self, Key, MAX_POINTS, Value};
-use super::shapes;
+use super::shapes::{self, Files};
+use super::texture;
 use super::walk::{Log, Node};
 use crate::configuration::{Arrangement, ConfigurationError, MeasurementPoint, Receiver, ReceiverShape};
 use crate::radiometry::Albedo;
 
 /// The receiver, unless something is wrong with it.
-pub(super) fn receiver(node: &Node, log: &mut Log) -> Option<Receiver> {
+pub(super) fn receiver(node: &Node, files: &mut Files, log: &mut Log) -> Option<Receiver> {
     let before = log.len();
-    let albedo = node.number(&schema::ALBEDO, log).map(Albedo::new);
+    let table = node.texture(&schema::ALBEDO, log);
+    let albedo = if table.is_none() { node.number(&schema::ALBEDO, log).map(Albedo::new) } else { None };
     let mut given = Vec::new();
     for key in node.schema.keys {
         let Value::Table(table) = key.value else { continue };
@@ -32,6 +34,16 @@ pub(super) fn receiver(node: &Node, log: &mut Log) -> Option<Receiver> {
         log.add(node.span.clone(), CaseError::NoReceiverShape { accepted });
     }
     let shape = given.into_iter().next().and_then(|(_, _, shape)| shape);
+    if let Some(table) = table {
+        let texture = texture::texture(&table, shape.as_ref().map(texture::Canvas::of_receiver), files, log);
+        return match Receiver::textured(shape?, texture?) {
+            Ok(receiver) => (log.len() == before).then_some(receiver),
+            Err(error) => {
+                log.add(table.span.clone(), CaseError::Configuration(error));
+                None
+            }
+        };
+    }
     // Without a shape the albedo is examined all the same.
     let stand_in =
         || ReceiverShape::Sphere(crate::geometry::Sphere::new(glam::DVec3::ZERO, 1.0).expect("a unit ball"));

@@ -26,6 +26,8 @@ mod error;
 mod folder;
 mod measure;
 pub mod obj;
+mod optics;
+mod picture;
 mod place;
 mod read;
 mod render;
@@ -36,17 +38,19 @@ mod shapes;
 mod shipped;
 mod spelling;
 mod study;
+mod texture;
 mod walk;
 
 use std::path::Path;
 
 use crate::configuration::Configuration;
+use crate::light::LightSettings;
 
 pub use error::{CaseError, CaseErrors, MeshFileFault, Mistake};
 pub use place::Place;
 pub use render::Ink;
 pub use select::{SelectError, Unmatched, select};
-pub use shipped::{Shipped, shipped};
+pub use shipped::{Shipped, shipped, shipped_caustics, shipped_direct};
 #[cfg(feature = "cli")]
 pub(crate) use spelling::nearest;
 pub use study::{Accepted, PROPERTIES, Replicates, SmallestBias, Study};
@@ -62,12 +66,28 @@ pub struct Case {
     pub title: String,
     pub configuration: Configuration,
     pub study: Study,
+    /// How light is followed from the sources.
+    pub light: LightSettings,
 }
 
 impl Case {
     /// A case described in code. Its name stands in for a selector in messages and commands.
     pub fn new(name: &str, title: &str, configuration: Configuration, study: Study) -> Case {
-        Case { name: name.to_owned(), selector: name.to_owned(), title: title.to_owned(), configuration, study }
+        let light = LightSettings::default();
+        Case {
+            name: name.to_owned(),
+            selector: name.to_owned(),
+            title: title.to_owned(),
+            configuration,
+            study,
+            light,
+        }
+    }
+
+    /// Whether there are surfaces that emit and points that look at them. Else there are lamps alone, whose light
+    /// [`crate::light`] follows, or nothing is measured but maps.
+    pub fn measures_direct_light(&self) -> bool {
+        !self.configuration.sources().is_empty() && !self.configuration.points().is_empty()
     }
 
     /// A case from text alone; it cannot name a mesh.

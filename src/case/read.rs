@@ -10,12 +10,15 @@ use super::Case;
 use super::error::{CaseError, CaseErrors};
 use super::folder::Folder;
 use super::measure::{self, Ground, Measured};
+use super::optics;
 use super::schema;
 use super::shapes::{self, Files};
+use super::texture;
 use super::walk::{Log, Node};
 use super::{Study, settings};
-use crate::configuration::{Configuration, ConfigurationError, Source};
+use crate::configuration::{Configuration, ConfigurationError, Contents, Source};
 use crate::geometry::{Shape, Sphere};
+use crate::light::LightSettings;
 use crate::radiometry::Exitance;
 
 /// More syntax errors than this are counted, not shown: a file that is not TOML at all has one a line.
@@ -78,18 +81,32 @@ fn case(file: &CaseFile, text: &str, log: &mut Log) -> Option<Case> {
     // A missing [source] is told once, as the case without a source that it is.
     let before = log.len();
     let source_role = optional(&root, &schema::SOURCE, &schema::SOURCES, log);
+    let lamps = source_role.as_ref().map(|role| optics::lamps(role, log)).unwrap_or_default();
     let sources = source_role.map(|role| shapes::all(&role, &mut files, log)).unwrap_or_default();
-    let any_source = !sources.is_empty() || log.len() > before || root.misspells(&schema::SOURCE);
-    let (source_spans, sources): (Vec<_>, Vec<_>) =
-        sources.into_iter().filter_map(|(node, shape)| Some((node.span.clone(), source(&node, shape, log)?))).unzip();
+    let any_source =
+        !sources.is_empty() || !lamps.is_empty() || log.len() > before || root.misspells(&schema::SOURCE);
+    let (source_spans, sources): (Vec<_>, Vec<_>) = sources
+        .into_iter()
+        .filter_map(|(node, shape)| Some((node.span.clone(), source(&node, shape, &mut files, log)?)))
+        .unzip();
 
     let occluder_role = optional(&root, &schema::OCCLUDER, &schema::OCCLUDERS, log);
     let occluders = occluder_role.map(|role| shapes::all(&role, &mut files, log)).unwrap_or_default();
     let (occluder_spans, occluders): (Vec<_>, Vec<_>) =
         occluders.into_iter().filter_map(|(node, shape)| Some((node.span, shape?))).unzip();
 
+    let mirror_role = optional(&root, &schema::MIRROR, &schema::MIRRORS, log);
+    let mirrors = mirror_role.map(|role| optics::mirrors(&role, log)).unwrap_or_default();
+    let glass_role = optional(&root, &schema::GLASS, &schema::GLASSES, log);
+    let glass = glass_role.map(|role| optics::glass(&role, log)).unwrap_or_default();
+    let diffuse_role = optional(&root, &schema::DIFFUSE, &schema::DIFFUSES, log);
+    let diffuse = diffuse_role.map(|role| optics::diffuse(&role, log)).unwrap_or_default();
+    let (mirror_spans, mirrors) = mirrors.into_iter().unzip();
+    let (glass_spans, glass) = glass.into_iter().unzip();
+    let (diffuse_spans, diffuse) = diffuse.into_iter().unzip();
+
     let receiver_node = optional(&root, &schema::RECEIVER, &schema::RECEIVERS, log);
-    let receiver = receiver_node.and_then(|node| measure::receiver(&node, log));
+    let receiver = receiver_node.and_then(|node| measure::receiver(&node, &mut files, log));
     let ground = match &receiver {
         Some(receiver) => Ground::Sound(receiver),
         None if root.has(&schema::RECEIVER) => Ground::Faulty,
@@ -106,9 +123,22 @@ fn case(file: &CaseFile, text: &str, log: &mut Log) -> Option<Case> {
     let study_node = optional(&root, &schema::STUDY, &schema::STUDIES, log);
     let study = study_node.map_or_else(Study::default, |node| settings::study(&node, log));
 
-    let places = Places { root: &root, any_source, sources: source_spans, occluders: occluder_spans };
-    let configuration = configuration(&places, sources, occluders, receiver, measured, log)?;
-    Some(Case { name: file.name.into(), selector: file.selector.into(), title: title?.into(), configuration, study })
+    let light_node = optional(&root, &schema::LIGHT, &schema::LIGHTS, log);
+    let light = light_node.map_or_else(LightSettings::default, |node| settings::light(&node, log));
+
+    let places = Places {
+        root: &root,
+        any_source,
+        sources: source_spans,
+        occluders: occluder_spans,
+        mirrors: mirror_spans,
+        glass: glass_spans,
+        diffuse: diffuse_spans,
+    };
+    let contents = Contents { sources, lamps, occluders, mirrors, glass, diffuse, receiver, ..Contents::default() };
+    let configuration = configuration(&places, contents, measured, log)?;
+    let selector = file.selector.into();
+    Some(Case { name: file.name.into(), selector, title: title?.into(), configuration, study, light })
 }
 
 /// A table that may be missing without the reader saying so.
@@ -121,7 +151,13 @@ fn optional<'t>(
     if root.has(key) { root.table(key, table, log) } else { None }
 }
 
-fn source(node: &Node, shape: Option<Shape>, log: &mut Log) -> Option<Source> {
+fn source(node: &Node, shape: Option<Shape>, files: &mut Files, log: &mut Log) -> Option<Source> {
+    if let Some(table) = node.texture(&schema::EXITANCE, log) {
+        // Without a shape the table is examined all the same.
+        let texture = texture::texture(&table, shape.as_ref().map(texture::Canvas::of_source), files, log);
+        let made = Source::textured(shape?, texture?);
+        return made.map_err(|error| log.add(table.span.clone(), CaseError::Configuration(error))).ok();
+    }
     let exitance = Exitance::new(node.number(&schema::EXITANCE, log)?);
     let sound = shape.is_some();
     // Without a shape the exitance is examined all the same.
@@ -142,18 +178,35 @@ struct Places<'a, 't> {
     any_source: bool,
     sources: Vec<Range<usize>>,
     occluders: Vec<Range<usize>>,
+    mirrors: Vec<Range<usize>>,
+    glass: Vec<Range<usize>>,
+    diffuse: Vec<Range<usize>>,
+}
+
+impl Places<'_, '_> {
+    /// Where one part stands.
+    fn of(&self, role: &str, index: usize) -> Option<&Range<usize>> {
+        let spans = match role {
+            "source" => &self.sources,
+            "occluder" => &self.occluders,
+            "mirror" => &self.mirrors,
+            "glass" => &self.glass,
+            "diffuse" => &self.diffuse,
+            _ => return None,
+        };
+        spans.get(index)
+    }
 }
 
 fn configuration(
     places: &Places,
-    sources: Vec<Source>,
-    occluders: Vec<Shape>,
-    receiver: Option<crate::configuration::Receiver>,
+    contents: Contents,
     mut measured: Measured,
     log: &mut Log,
 ) -> Option<Configuration> {
     let points = std::mem::take(&mut measured.points);
-    let errors = match Configuration::new(sources, occluders, receiver, points, measured.arrangement) {
+    let contents = Contents { points, arrangement: measured.arrangement, ..contents };
+    let errors = match Configuration::of(contents) {
         Ok(configuration) => return Some(configuration),
         Err(errors) => errors,
     };
@@ -166,9 +219,19 @@ fn configuration(
             ConfigurationError::NoSource => places.root.span_of(schema::SOURCE.name),
             ConfigurationError::NothingToMeasure => places.root.span_of(schema::MEASURE.name),
             ConfigurationError::PointOnSurface { point, role, index, .. } => {
-                let spans = if *role == schema::SOURCE.name { &places.sources } else { &places.occluders };
-                also.extend(spans.get(*index).map(|span| (span.clone(), format!("on this {role}"))));
+                also.extend(places.of(role, *index).map(|span| (span.clone(), format!("on this {role}"))));
                 measured.span_of(*point).unwrap_or_else(|| places.root.span.clone())
+            }
+            ConfigurationError::GlassOverlap { first, second } => {
+                also.extend(places.of("glass", *first).map(|span| (span.clone(), "and this".to_string())));
+                places.of("glass", *second).cloned().unwrap_or_else(|| places.root.span.clone())
+            }
+            ConfigurationError::OutsideEnclosure { role, index } => {
+                places.of(role, *index).cloned().unwrap_or_else(|| places.root.span.clone())
+            }
+            ConfigurationError::CurvedBefore { role, index, point, .. } => {
+                also.extend(measured.span_of(*point).map(|span| (span, "measured here".to_string())));
+                places.of(role, *index).cloned().unwrap_or_else(|| places.root.span.clone())
             }
             _ => places.root.span.clone(),
         };

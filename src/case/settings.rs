@@ -6,6 +6,8 @@ use super::error::CaseError;
 use super::schema::{self, Key, MAX_COUNT};
 use super::study::{Accepted, PROPERTIES, Replicates, SmallestBias, Study};
 use super::walk::{Log, Node};
+use crate::geometry::TexelGrid;
+use crate::light::{Aim, LightSettings, Rings, Split};
 use crate::sampling::Strategy;
 
 /// The word for "as many as the smallest bias needs".
@@ -32,6 +34,60 @@ pub(super) fn study(node: &Node, log: &mut Log) -> Study {
         tolerance: tolerance(node, log).unwrap_or(default.tolerance),
         accepted: accepted(node, log),
     }
+}
+
+/// How light is followed. Whatever is not said, or said wrongly, is the default.
+pub(super) fn light(node: &Node, log: &mut Log) -> LightSettings {
+    let default = LightSettings::default();
+    let within = |key: &Key, least: u64, most: u64, log: &mut Log| {
+        if node.has(key) { node.count(key, least, most, log) } else { None }
+    };
+    let rays = within(&schema::RAYS, 1, LightSettings::MOST_RAYS, log);
+    let depth = within(&schema::DEPTH, 0, LightSettings::MOST_DEPTH as u64, log);
+    let named = |key: &'static Key, names: &[&'static str], log: &mut Log| {
+        node.raw(key).and_then(|value| node.name_among(key, value, names, log))
+    };
+    let aim = named(&schema::AIM, &Aim::ALL.map(Aim::name), log);
+    let split = named(&schema::SPLIT, &Split::ALL.map(Split::name), log);
+    LightSettings {
+        rays: rays.unwrap_or(default.rays),
+        map: pair(node, &schema::TEXELS, "texels", LightSettings::MOST_TEXELS, log).unwrap_or(default.map),
+        depth: depth.map_or(default.depth, |depth| depth as usize),
+        aim: Aim::ALL.into_iter().find(|known| Some(known.name()) == aim).unwrap_or(default.aim),
+        split: Split::ALL.into_iter().find(|known| Some(known.name()) == split).unwrap_or(default.split),
+        rings: rings(node, log),
+        tiles: pair(node, &schema::TILES, "tiles", Rings::MOST, log).and_then(|[ns, nt]| TexelGrid::new(ns, nt).ok()),
+    }
+}
+
+/// Fields along s and t, no more than `most` in all.
+fn pair(node: &Node, key: &'static Key, what: &'static str, most: usize, log: &mut Log) -> Option<[usize; 2]> {
+    let value = node.raw(key)?;
+    let items = node.items(key, value, log)?;
+    let sides: Vec<_> = items.iter().map(|item| node.count_of(key, item, 1, 1 << 16, log)).collect();
+    let [ns, nt] = sides[..] else {
+        let key = node.schema.full_name(key.name);
+        log.add(value.span(), CaseError::Length { key, what: "numbers", said: sides.len(), expected: 2 });
+        return None;
+    };
+    let (ns, nt) = (ns?, nt?);
+    if ns * nt > most as u64 {
+        log.add(value.span(), CaseError::TooMany { what, said: (ns * nt).into(), limit: most as u64 });
+        return None;
+    }
+    Some([usize::try_from(ns).ok()?, usize::try_from(nt).ok()?])
+}
+
+fn rings(node: &Node, log: &mut Log) -> Option<Rings> {
+    if !node.has(&schema::RINGS) {
+        return None;
+    }
+    let table = node.table(&schema::RINGS, &schema::LIGHT_RINGS, log)?;
+    let center = table.vector(&schema::CENTER, log);
+    let wanted = "a radius is greater than 0 (metres)";
+    let radius = number_within(&table, &schema::RING_RADIUS, |said| said > 0.0, wanted, log);
+    let count = table.count(&schema::RING_COUNT, 1, Rings::MOST as u64, log);
+    Some(Rings { center: center?, radius: radius?, count: count? as usize })
 }
 
 fn accepted(node: &Node, log: &mut Log) -> Vec<Accepted> {

@@ -17,12 +17,15 @@ pub(super) struct Files<'f> {
     pub(super) triangles: u64,
 }
 
+/// What [`all`] reads; other tables of a role (lamps) are read elsewhere.
+const SURFACES: [&str; 5] = [schema::DISK, schema::RECTANGLE, schema::POLYGON, schema::SPHERE, schema::MESH];
+
 /// Every shape table of a role (`source`, `occluder`), in the order of the file. A shape with a mistake is `None`.
 pub(super) fn all<'t>(role: &Node<'t>, files: &mut Files, log: &mut Log) -> Vec<(Node<'t>, Option<Shape>)> {
     let mut shapes = Vec::new();
     for key in role.schema.keys {
         let Value::Tables(table) = key.value else { continue };
-        if key.need == schema::Need::Later {
+        if key.need == schema::Need::Later || !SURFACES.contains(&key.name) {
             continue;
         }
         for node in role.tables(key, table, log) {
@@ -90,7 +93,7 @@ pub(super) fn sphere(node: &Node, log: &mut Log) -> Option<Sphere> {
     })
 }
 
-fn polygon(node: &Node, log: &mut Log) -> Option<Polygon> {
+pub(super) fn polygon(node: &Node, log: &mut Log) -> Option<Polygon> {
     let vertices = node.vectors(&schema::VERTICES, schema::MAX_POLYGON_VERTICES, log)?;
     Polygon::new(vertices).map_err(|error| note(node, log, error)).ok()
 }
@@ -139,13 +142,13 @@ fn mesh(node: &Node, files: &mut Files, log: &mut Log) -> Option<Mesh> {
 }
 
 /// The keys of a shape that were missing or refused. Stand-ins take their place, so that the others are still examined.
-struct Faulty(Vec<&'static str>);
+pub(super) struct Faulty(Vec<&'static str>);
 
 impl Faulty {
-    fn keep<T>(&self, given: Option<T>, key: &Key) -> Option<T> {
+    pub(super) fn keep<T>(&self, given: Option<T>, key: &Key) -> Option<T> {
         given.filter(|_| !self.0.contains(&key.name))
     }
-    fn or<T>(&self, given: Option<T>, key: &Key, stand_in: T) -> T {
+    pub(super) fn or<T>(&self, given: Option<T>, key: &Key, stand_in: T) -> T {
         self.keep(given, key).unwrap_or(stand_in)
     }
 }
@@ -153,7 +156,7 @@ impl Faulty {
 /// Makes a shape, noting all that its constructor refuses and not only the first.
 ///
 /// `complete`: whether all keys could be read; what could not was noted then.
-fn examine<T>(
+pub(super) fn examine<T>(
     node: &Node,
     log: &mut Log,
     complete: bool,
@@ -172,7 +175,7 @@ fn examine<T>(
 }
 
 /// Notes why a shape was refused, at the key at fault, which is returned.
-fn note(node: &Node, log: &mut Log, error: ShapeError) -> Option<&'static str> {
+pub(super) fn note(node: &Node, log: &mut Log, error: ShapeError) -> Option<&'static str> {
     let field = error.field();
     let span = field.map_or(node.span.clone(), |field| node.span_of(field));
     log.add(span, CaseError::Shape { table: node.schema.path, error });

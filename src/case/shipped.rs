@@ -10,6 +10,15 @@ macro_rules! embedded {
 
 /// Every file below `cases/`, sorted by name; a test compares the list with the folder.
 static FILES: &[(&str, &[u8])] = embedded![
+    "caustic/ball-on-a-globe.toml",
+    "caustic/cup.toml",
+    "caustic/glass-ball.toml",
+    "caustic/mirror-ring.toml",
+    "caustic/paraboloid.toml",
+    "caustic/plane-mirror.toml",
+    "caustic/plano-convex.toml",
+    "caustic/slab.toml",
+    "caustic/spherical-mirror.toml",
     "direct/diffuser-box.toml",
     "direct/disk-over-plane.toml",
     "direct/disk-receiver.toml",
@@ -38,6 +47,14 @@ static FILES: &[(&str, &[u8])] = embedded![
     "penumbra/three-regions.toml",
     "penumbra/tilted-occluder.toml",
     "penumbra/two-shadows.toml",
+    "texture/blended-panel.toml",
+    "texture/checker-panel.toml",
+    "texture/cross.png",
+    "texture/globe.toml",
+    "texture/picture-panel.toml",
+    "texture/sectors.toml",
+    "texture/slanted-triangle.toml",
+    "texture/tiled-ball.toml",
 ];
 
 /// A case that is part of the program.
@@ -64,6 +81,19 @@ impl Shipped {
             CaseFile { path: &shown, selector: self.name(), name: self.name(), folder: &folder, below: self.path };
         read(&file, self.text.as_bytes())
     }
+}
+
+/// The chapters whose light takes a bend: rays from the light measure them, and a run of the estimators does not.
+const BENT: [&str; 1] = ["caustic/"];
+
+/// The shipped cases that the estimators of direct light measure, sorted by name.
+pub fn shipped_direct() -> impl Iterator<Item = Shipped> {
+    shipped().filter(|case| !BENT.iter().any(|chapter| case.path.starts_with(chapter)))
+}
+
+/// The shipped cases whose light takes a bend ([`crate::light`]), sorted by name.
+pub fn shipped_caustics() -> impl Iterator<Item = Shipped> {
+    shipped().filter(|case| BENT.iter().any(|chapter| case.path.starts_with(chapter)))
 }
 
 /// All shipped cases, sorted by name.

@@ -132,7 +132,7 @@ impl<'t> Node<'t> {
         value
     }
 
-    fn refuse_type(&self, key: &Key, value: &Spanned<DeValue>, expected: &'static str, log: &mut Log) {
+    pub(super) fn refuse_type(&self, key: &Key, value: &Spanned<DeValue>, expected: &'static str, log: &mut Log) {
         log.add(value.span(), wrong_type(self.name_of(key), value.get_ref(), expected));
     }
 
@@ -166,13 +166,19 @@ impl<'t> Node<'t> {
         text
     }
 
+    /// true or false.
+    pub(super) fn flag(&self, key: &Key, log: &mut Log) -> Option<bool> {
+        let value = self.value(key, log)?;
+        let flag = value.get_ref().as_bool();
+        if flag.is_none() {
+            self.refuse_type(key, value, key.value.expected(), log);
+        }
+        flag
+    }
+
     /// A finite number of ordinary size.
     pub(super) fn number(&self, key: &Key, log: &mut Log) -> Option<f64> {
         let value = self.value(key, log)?;
-        if let (DeValue::Table(_), schema::Value::Field) = (value.get_ref(), key.value) {
-            log.add(value.span(), CaseError::NotYet { key: format!("{} as a table", self.name_of(key)) });
-            return None;
-        }
         self.number_of(key, value, MAX_MAGNITUDE, log)
     }
 
@@ -195,6 +201,40 @@ impl<'t> Node<'t> {
             return Some(said);
         }
         None
+    }
+
+    /// So many finite numbers of ordinary size.
+    pub(super) fn numbers<const N: usize>(&self, key: &Key, log: &mut Log) -> Option<[f64; N]> {
+        let value = self.value(key, log)?;
+        self.numbers_of(key, value, log)
+    }
+
+    pub(super) fn numbers_of<const N: usize>(
+        &self,
+        key: &Key,
+        value: &Spanned<DeValue>,
+        log: &mut Log,
+    ) -> Option<[f64; N]> {
+        let DeValue::Array(items) = value.get_ref() else {
+            self.refuse_type(key, value, key.value.expected(), log);
+            return None;
+        };
+        let numbers: Vec<_> = items.iter().map(|item| self.number_of(key, item, MAX_MAGNITUDE, log)).collect();
+        let Ok(numbers) = <[Option<f64>; N]>::try_from(numbers) else {
+            let key = self.name_of(key);
+            log.add(value.span(), CaseError::Length { key, what: "numbers", said: items.len(), expected: N });
+            return None;
+        };
+        numbers.iter().all(Option::is_some).then(|| numbers.map(Option::unwrap_or_default))
+    }
+
+    /// The table in the place of a number, if there is one.
+    pub(super) fn texture(&self, key: &Key, log: &mut Log) -> Option<Node<'t>> {
+        let (value, schema::Value::Field(schema)) = (self.raw(key)?, key.value) else { return None };
+        match value.get_ref() {
+            DeValue::Table(_) => Node::of_value(value, schema, &self.name_of(key), log),
+            _ => None,
+        }
     }
 
     /// A point or an edge.

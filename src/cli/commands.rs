@@ -61,7 +61,7 @@ fn run_to_end(options: &Run) -> Result<u8, u8> {
     let layout = TableOptions { styled, width: terminal_width(), report: Some(&options.out), quiet: options.quiet };
     let table = report::table(&outcome, &layout);
     print(&table)?;
-    let verdicts = || outcome.cases.iter().flat_map(|case| &case.strategies).flat_map(|s| &s.verdicts);
+    let verdicts = || outcome.cases.iter().flat_map(|case| case.verdicts().map(|(_, judged)| judged));
     let any = |verdict| verdicts().any(|judged| judged.verdict == verdict);
     Ok(if any(Verdict::Fail) {
         exit::FAILED
@@ -210,9 +210,10 @@ fn exact_to_end(options: &Exact) -> Result<(), u8> {
         truths.push(found.iter().map(|found| found.truth).collect());
         derivatives.push(found);
     }
+    let albedos: Vec<_> = cases.iter().map(|case| case.configuration.albedos()).collect();
     let rows = cases.iter().zip(&truths).enumerate().map(|(i, (case, truths))| ExactCase {
         name: &case.name,
-        albedo: case.configuration.albedo(),
+        albedos: albedos[i].as_deref(),
         points: case.configuration.points(),
         truths,
         derivatives: derivatives.get(i).map_or(&[], Vec::as_slice),

@@ -68,6 +68,38 @@ What it does not say: a pass at `0.5 / 15 %` would have seen half a per cent if 
 15 % if only one sample count were. Where nothing is predicted the variance is shown, and not judged.
 ";
 
+const ENERGY: &str = "\
+energy: every watt that left a source is booked, once.
+
+  books       emitted = deposited + absorbed + escaped + terminated
+  checked     what the rays carried as they left is the sources' closed form; the maps hold what was deposited
+  units       W; gaps relative to the sources' power
+  pass        all three gaps below 10^-12, for each budget of rays: rounding, no statistics. Where theory knows what is
+              deposited (exact_deposited_W), also no evidence that another share was, by the gate of `explain verdict`
+  deposited   on the receiver and diffuse surfaces; absorbed by mirrors, occluders, sources, backs of diffuse
+              surfaces; escaped: met nothing any more; terminated: beyond the limit of interactions ([light] depth)
+
+What it does not say, where that column is empty: that the shares are right. Books balance as well when a lens lets
+through too much; see caustic.
+";
+
+const CAUSTIC: &str = "\
+caustic: rings around the axis of a caustic, or tiles of a cup's floor, get the flux that is due.
+
+  known       one lamp, one optic on its axis, a flat receiver square to it: a beam into a paraboloid or spherical
+              mirror (1 interaction), through a ball or plano-convex lens (2), a lamp over a slab (2, 4, 6, 8);
+              an area source in one flat mirror (the whole receiver); a slanting beam in half of a cylinder mirror
+              (1; tiles of the floor)
+  exact       flux is kept along a tube of rays: the integral of Fresnel's shares over the rays that land in the ring
+  statement   a group of rays brings a mean m to the ring, and never more than the flux g that it carries: its
+              variance is at most m (g - m), known beforehand, and the gate of `explain verdict` applies
+  pass        no evidence against it, and `seen from 0.5 / 5 %`: a deviation of 0.5 % over all rings, of 5 % in the
+              worst ring that gets a hundredth of it or more, would have been caught with 99 % probability
+
+What it does not say: nothing of other orders (reflections off the glass), of maps that are neither, of places on
+the caustic itself, where the irradiance has no bound and only rings have a flux.
+";
+
 const COVARIANCE: &str = "\
 covariance: errors of different points move together as predicted.
 
@@ -116,13 +148,43 @@ region: what a point sees of the sources, decided from outlines and not from num
   edge           cannot be told within the bound
 ";
 
-const TOPICS: [(&str, &str, &str); 7] = [
+const TEXTURE: &str = "\
+texture: an exitance or an albedo that varies over a surface, read from a picture, a chessboard or a polynomial.
+
+  exitance = { checker = [8, 4], white = 2.0, black = 0.2 }
+  exitance = { image = \"cross.png\", encoding = \"linear\", white = 4.0, lookup = \"bilinear\" }
+  exitance = { polynomial = [e00, e10, e01, e20, e11, e02] }        on a rectangle, metres from its centre
+  albedo   = { checker = [12, 11], white = 0.9, black = 0.1 }
+
+Where a point lies on the map, (s, t) in the unit square, the lower left pixel at (0, 0):
+  rectangle   along edge_u and along edge_v
+  triangle    affine; `map`: \"similar\" (the default) undoes the distortion, \"half-square\" shears, or three corners
+  disk        azimuth / 2 pi from `zero`, counter-clockwise seen from the lit side; (distance / radius)^2
+  sphere      longitude / 2 pi eastwards from `equator`; angle from the south pole / pi, `north` up
+
+Areas of texels are exact: sin(angle) on a sphere, what the sides leave on a triangle. Read by `texel` (the one that is
+hit) or `bilinear`: then values are blended over the texels' borders in coordinates of equal area, across a sphere's seam
+too, and towards the mean of its row at a pole. Either way the integral is the sum over texels of value times area; on
+triangles one factor for the whole map sees to it.
+
+Pictures are PNG, of up to 16 bits; `encoding` says whether their numbers are `linear` in light or `srgb`. Colours count by
+their luminance (Rec. 709), opacity does not count.
+
+The exact side sums texels in closed form on rectangles and triangles, and takes strips that are parted at the texels'
+borders on disks and spheres, and where values are interpolated. Variances are predicted with the texture.
+Derivatives (`exact --derivative`) are left empty where a textured source is seen.
+";
+
+const TOPICS: [(&str, &str, &str); 10] = [
     ("verdict", "pass, fail, undecided: what they promise", VERDICT),
     ("bias", "the mean estimate is the exact irradiance", BIAS),
     ("variance", "errors are as large as predicted", VARIANCE),
     ("covariance", "errors move together as predicted", COVARIANCE),
+    ("energy", "every watt that left a source is booked", ENERGY),
+    ("caustic", "rings of a caustic get the flux that is due", CAUSTIC),
     ("rate", "slopes of log variance over log N", RATE),
     ("correlation", "errors of two points against their distance", CORRELATION),
+    ("texture", "exitance and albedo from pictures, chessboards, polynomials", TEXTURE),
     ("region", "lit, penumbra, umbra, below_horizon, edge", REGION),
 ];
 

@@ -3,16 +3,23 @@
 //! A [`Configuration`] is valid by construction. The exact side and the estimating side both read it and share nothing
 //! else of what they do with it.
 
+mod diffuse;
 mod digest;
+mod optic;
 mod receiver;
 mod validate;
+
+use std::sync::Arc;
 
 use glam::DVec3;
 
 use crate::geometry::{Shape, ShapeError};
-use crate::radiometry::{Albedo, Exitance};
+use crate::radiometry::{Albedo, Beam, Exitance, PointSource};
+use crate::texture::{Texture, TextureError};
 
+pub use diffuse::DiffuseSurface;
 pub use digest::Digest;
+pub use optic::{Glass, GlassShape, Mirror, MirrorShape};
 pub use receiver::{Receiver, ReceiverShape};
 pub use validate::ConfigurationError;
 
@@ -20,7 +27,9 @@ pub use validate::ConfigurationError;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Source {
     shape: Shape,
+    /// Over all of it, or the mean of its texture.
     exitance: Exitance,
+    texture: Option<Arc<Texture>>,
 }
 
 impl Source {
@@ -33,14 +42,39 @@ impl Source {
         if let Shape::Mesh(_) = shape {
             return Err(ConfigurationError::MeshSource);
         }
-        Ok(Source { shape, exitance })
+        Ok(Source { shape, exitance, texture: None })
     }
+
+    /// A source whose exitance varies over it.
+    ///
+    /// - `texture`: W/m², laid out on the same shape; some of it above zero
+    pub fn textured(shape: Shape, texture: Texture) -> Result<Source, ConfigurationError> {
+        let mean = texture.mean();
+        if mean <= 0.0 {
+            return Err(ConfigurationError::Texture(TextureError::Dark));
+        }
+        let source = Source::new(shape, Exitance::new(mean))?;
+        Ok(Source { texture: Some(Arc::new(texture)), ..source })
+    }
+
     pub fn shape(&self) -> &Shape {
         &self.shape
     }
-    /// W/m².
+    /// W/m²; of a textured source, the mean over its surface.
     pub fn exitance(&self) -> Exitance {
         self.exitance
+    }
+    /// What its exitance is read from, where that varies; W/m².
+    pub fn texture(&self) -> Option<&Arc<Texture>> {
+        self.texture.as_ref()
+    }
+    /// At a point of its surface (metres).
+    pub fn exitance_at(&self, point: DVec3) -> Exitance {
+        self.texture.as_ref().map_or(self.exitance, |texture| Exitance::new(texture.at(point)))
+    }
+    /// The most that it sends out anywhere, or somewhat more.
+    pub fn largest_exitance(&self) -> Exitance {
+        self.texture.as_ref().map_or(self.exitance, |texture| Exitance::new(texture.range()[1]))
     }
 }
 
@@ -86,18 +120,74 @@ pub enum Arrangement {
     Scattered,
 }
 
+/// A source without area, of which no area estimator and no form factor speaks: only rays from the light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Lamp {
+    Point(PointSource),
+    Beam(Beam),
+}
+
+impl Lamp {
+    /// W.
+    pub fn power(&self) -> f64 {
+        match self {
+            Lamp::Point(lamp) => lamp.power().watts(),
+            Lamp::Beam(lamp) => lamp.power().watts(),
+        }
+    }
+}
+
+/// All that can stand in a room, before it is looked over as a whole. Every field may be empty by itself.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Contents {
+    /// Each blocks the light of the others.
+    pub sources: Vec<Source>,
+    pub lamps: Vec<Lamp>,
+    /// Block from both sides; spheres are solid.
+    pub occluders: Vec<Shape>,
+    /// Block direct light, as glass does, and send it on.
+    pub mirrors: Vec<Mirror>,
+    /// No two may share any space.
+    pub glass: Vec<Glass>,
+    pub diffuse: Vec<DiffuseSurface>,
+    /// Blocks nothing; light that arrives on its receiving side stops there, and passes from behind.
+    pub receiver: Option<Receiver>,
+    /// None exactly on a source, an occluder, or an optic. May be empty where rays from the light are followed to a
+    /// receiver or a diffuse surface: where there is a lamp, an optic, or a diffuse surface.
+    pub points: Vec<MeasurementPoint>,
+    pub arrangement: Arrangement,
+}
+
+impl Default for Contents {
+    fn default() -> Contents {
+        Contents {
+            sources: Vec::new(),
+            lamps: Vec::new(),
+            occluders: Vec::new(),
+            mirrors: Vec::new(),
+            glass: Vec::new(),
+            diffuse: Vec::new(),
+            receiver: None,
+            points: Vec::new(),
+            arrangement: Arrangement::Scattered,
+        }
+    }
+}
+
 /// A room in which light can be measured.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Configuration {
+    contents: Contents,
+    /// [`Contents::sources`], then the diffuse surfaces that emit outwards.
     sources: Vec<Source>,
-    occluders: Vec<Shape>,
-    receiver: Option<Receiver>,
-    points: Vec<MeasurementPoint>,
-    arrangement: Arrangement,
+    /// What blocks direct light besides the sources; see [`Configuration::blockers`].
+    blockers: Vec<Shape>,
 }
 
 impl Configuration {
-    /// Every mistake that spans more than one part is reported, not only the first.
+    /// A room without lamps, optics or diffuse surfaces. Every mistake that spans more than one part is reported, not only
+    /// the first.
     ///
     /// - `sources`: at least one; each blocks the light of the others
     /// - `occluders`: block from both sides; spheres are solid
@@ -109,29 +199,85 @@ impl Configuration {
         points: Vec<MeasurementPoint>,
         arrangement: Arrangement,
     ) -> Result<Configuration, Vec<ConfigurationError>> {
-        let configuration = Configuration { sources, occluders, receiver, points, arrangement };
-        let mistakes = validate::mistakes(&configuration);
-        if mistakes.is_empty() { Ok(configuration) } else { Err(mistakes) }
+        Configuration::of(Contents { sources, occluders, receiver, points, arrangement, ..Contents::default() })
     }
 
+    /// A room with anything in it. Every mistake that spans more than one part is reported, not only the first.
+    pub fn of(contents: Contents) -> Result<Configuration, Vec<ConfigurationError>> {
+        let mistakes = validate::mistakes(&contents);
+        if !mistakes.is_empty() {
+            return Err(mistakes);
+        }
+        let emits = |surface: &&DiffuseSurface| surface.exitance().watts_per_square_metre() > 0.0;
+        let outward = || contents.diffuse.iter().filter(|surface| !surface.is_inward());
+        let of_diffuse = outward().filter(emits).map(|surface| Source {
+            shape: surface.as_shape(),
+            exitance: surface.exitance(),
+            texture: None,
+        });
+        let sources = contents.sources.iter().cloned().chain(of_diffuse).collect();
+        let mut blockers = contents.occluders.clone();
+        blockers.extend(contents.mirrors.iter().filter_map(|mirror| mirror.shape().outline()).flatten());
+        blockers.extend(contents.glass.iter().filter_map(|glass| glass.shape().outline()).flatten());
+        blockers.extend(outward().filter(|surface| !emits(surface)).map(DiffuseSurface::as_shape));
+        Ok(Configuration { contents, sources, blockers })
+    }
+
+    /// Surfaces that emit: the sources, then the diffuse surfaces that emit outwards.
     pub fn sources(&self) -> &[Source] {
         &self.sources
     }
+    /// Sources without area.
+    pub fn lamps(&self) -> &[Lamp] {
+        &self.contents.lamps
+    }
     pub fn occluders(&self) -> &[Shape] {
-        &self.occluders
+        &self.contents.occluders
+    }
+    pub fn mirrors(&self) -> &[Mirror] {
+        &self.contents.mirrors
+    }
+    pub fn glass(&self) -> &[Glass] {
+        &self.contents.glass
+    }
+    pub fn diffuse(&self) -> &[DiffuseSurface] {
+        &self.contents.diffuse
+    }
+    /// Everything that was put into the room.
+    pub fn contents(&self) -> &Contents {
+        &self.contents
+    }
+    /// What stops direct light besides the sources, in this order: occluders, then by their outlines mirrors, glass, and
+    /// diffuse surfaces that do not emit.
+    ///
+    /// A lens and the curved mirrors that are no whole sphere have no outline in closed form. They are left out here, and a
+    /// configuration in which one may stand between a measurement point and a source with area is refused
+    /// ([`ConfigurationError::CurvedBefore`]).
+    pub fn blockers(&self) -> &[Shape] {
+        &self.blockers
     }
     pub fn receiver(&self) -> Option<&Receiver> {
-        self.receiver.as_ref()
+        self.contents.receiver.as_ref()
     }
     pub fn points(&self) -> &[MeasurementPoint] {
-        &self.points
+        &self.contents.points
     }
     pub fn arrangement(&self) -> Arrangement {
-        self.arrangement
+        self.contents.arrangement
     }
-    /// Share of light that the receiver sends back; `None` where the case names no receiver or no albedo.
+    /// Share of light that the receiver sends back, on average over it; `None` where the case names no receiver or no albedo.
     pub fn albedo(&self) -> Option<Albedo> {
-        self.receiver.as_ref().and_then(Receiver::albedo)
+        self.receiver().and_then(Receiver::albedo)
+    }
+    /// Whether any light is bent: then direct light is not all there is.
+    pub fn has_optics(&self) -> bool {
+        !self.contents.mirrors.is_empty() || !self.contents.glass.is_empty()
+    }
+    /// Share of light that the receiver sends back at each measurement point, read there if it is textured; `None` where the
+    /// case names no receiver or no albedo.
+    pub fn albedos(&self) -> Option<Vec<Albedo>> {
+        let receiver = self.receiver()?;
+        self.points().iter().map(|point| receiver.albedo_at(point.position())).collect()
     }
     /// A fingerprint of everything physical, and of nothing else: names, titles and study settings do not enter.
     pub fn digest(&self) -> Digest {

@@ -1,12 +1,14 @@
 //! The surface on which light is measured, and the points that a line or a grid puts on it.
 
 use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
 
 use glam::DVec3;
 
 use super::{ConfigurationError, MeasurementPoint};
 use crate::geometry::{Disk, Frame, Rectangle, Sphere, Triangle};
 use crate::radiometry::Albedo;
+use crate::texture::Texture;
 
 /// How far a line's end may lie off the receiver, in units of the receiver's size.
 const ON_RECEIVER: f64 = 1e-9;
@@ -22,10 +24,12 @@ pub enum ReceiverShape {
 }
 
 /// A receiving surface. It blocks no light.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Receiver {
     shape: ReceiverShape,
+    /// Over all of it, or the mean of its texture.
     albedo: Option<Albedo>,
+    texture: Option<Arc<Texture>>,
 }
 
 impl Receiver {
@@ -33,14 +37,38 @@ impl Receiver {
     pub fn new(shape: ReceiverShape, albedo: Option<Albedo>) -> Result<Receiver, ConfigurationError> {
         match albedo.map(Albedo::ratio) {
             Some(said) if !(0.0..=1.0).contains(&said) => Err(ConfigurationError::Albedo { said }),
-            _ => Ok(Receiver { shape, albedo }),
+            _ => Ok(Receiver { shape, albedo, texture: None }),
         }
     }
+
+    /// A receiver whose albedo varies over it.
+    ///
+    /// - `texture`: laid out on the same shape, in [0, 1] everywhere
+    pub fn textured(shape: ReceiverShape, texture: Texture) -> Result<Receiver, ConfigurationError> {
+        let [least, largest] = texture.range();
+        for said in [least, largest] {
+            if !(0.0..=1.0).contains(&said) {
+                return Err(ConfigurationError::Albedo { said });
+            }
+        }
+        let receiver = Receiver::new(shape, Some(Albedo::new(texture.mean().clamp(0.0, 1.0))))?;
+        Ok(Receiver { texture: Some(Arc::new(texture)), ..receiver })
+    }
+
     pub fn shape(&self) -> &ReceiverShape {
         &self.shape
     }
+    /// Of a textured receiver, the mean over its surface.
     pub fn albedo(&self) -> Option<Albedo> {
         self.albedo
+    }
+    /// What its albedo is read from, where that varies.
+    pub fn texture(&self) -> Option<&Arc<Texture>> {
+        self.texture.as_ref()
+    }
+    /// At a point of its surface (metres).
+    pub fn albedo_at(&self, point: DVec3) -> Option<Albedo> {
+        self.texture.as_ref().map_or(self.albedo, |texture| Some(Albedo::new(texture.at(point).clamp(0.0, 1.0))))
     }
 
     /// `n ≥ 2` points from one end to the other, ends included, evenly spaced: along the straight segment on a flat

@@ -3,8 +3,9 @@
 use glam::DVec3;
 use thiserror::Error;
 
-use super::Configuration;
+use super::Contents;
 use crate::geometry::{Frame, Polygon, Shape};
+use crate::texture::TextureError;
 
 /// A point this near to a surface, in units of the coordinates at hand, is on it: its distance is rounding.
 const ON_SURFACE: f64 = 8.0 * f64::EPSILON;
@@ -17,10 +18,43 @@ pub enum ConfigurationError {
     Exitance { said: f64 },
     #[error("albedo is {said}; it lies between 0 and 1")]
     Albedo { said: f64 },
+    #[error(transparent)]
+    Texture(TextureError),
     #[error("a mesh cannot be a source; sources are disk, rectangle, polygon or sphere")]
     MeshSource,
     #[error("the case has no source; it needs at least one [[source.SHAPE]]")]
     NoSource,
+    #[error("reflectance is {said}; it lies between 0 and 1")]
+    Reflectance { said: f64 },
+    #[error("ior is {said}; an index of refraction is finite, 1 or greater")]
+    Ior { said: f64 },
+    #[error("inward is true of a flat shape; only a sphere can be an enclosure")]
+    InwardFlat,
+    #[error(
+        "glass {first} and glass {second} (counted from 0, in the order of the file) cut into each other; pieces of glass stand apart"
+    )]
+    GlassOverlap { first: usize, second: usize },
+    #[error("{role} {index} (counted from 0) reaches out of the enclosure; whatever there is lies inside of it")]
+    OutsideEnclosure {
+        /// `source`, `occluder`, `mirror`, `glass`, `diffuse`, `receiver` or `measurement point`.
+        role: &'static str,
+        index: usize,
+    },
+    #[error(
+        "{role} {index} (a {kind}, counted from 0) may stand between measurement point {point}{others} and source {source_index}: what a {kind} leaves visible of a source has no closed form; measure elsewhere, or light it by a lamp (source.point, source.beam)",
+        others = if *others > 0 { format!(" (and {others} more)") } else { String::new() }
+    )]
+    CurvedBefore {
+        /// The first such point.
+        point: usize,
+        /// Further points behind the same optic.
+        others: usize,
+        /// `mirror` or `glass`.
+        role: &'static str,
+        index: usize,
+        kind: &'static str,
+        source_index: usize,
+    },
     #[error("there is nothing to measure; [measure] needs a line, a grid or at least one [[measure.point]]")]
     NothingToMeasure,
     #[error(
@@ -32,7 +66,7 @@ pub enum ConfigurationError {
         point: usize,
         /// Further points on the same surface.
         others: usize,
-        /// `source` or `occluder`.
+        /// `source`, `occluder`, `mirror`, `glass` or `diffuse`.
         role: &'static str,
         index: usize,
         kind: &'static str,
@@ -44,26 +78,140 @@ pub enum ConfigurationError {
 }
 
 /// All of them.
-pub(super) fn mistakes(configuration: &Configuration) -> Vec<ConfigurationError> {
+pub(super) fn mistakes(room: &Contents) -> Vec<ConfigurationError> {
     let mut found = Vec::new();
-    if configuration.sources.is_empty() {
+    let emits = room.diffuse.iter().any(|surface| surface.exitance().watts_per_square_metre() > 0.0);
+    if room.sources.is_empty() && room.lamps.is_empty() && !emits {
         found.push(ConfigurationError::NoSource);
     }
-    if configuration.points.is_empty() {
+    let is_traced =
+        !(room.lamps.is_empty() && room.mirrors.is_empty() && room.glass.is_empty() && room.diffuse.is_empty());
+    let lands = room.receiver.is_some() || !room.diffuse.is_empty();
+    if room.points.is_empty() && !(is_traced && lands) {
         found.push(ConfigurationError::NothingToMeasure);
     }
-    let sources = configuration.sources.iter().map(super::Source::shape).enumerate().map(|(i, s)| ("source", i, s));
-    let occluders = configuration.occluders.iter().enumerate().map(|(i, s)| ("occluder", i, s));
-    for (role, index, shape) in sources.chain(occluders) {
-        let probe = SurfaceProbe::new(shape);
-        let points = configuration.points.iter().enumerate();
+    let sources = room.sources.iter().map(super::Source::shape).enumerate().map(|(i, s)| ("source", i, s.clone()));
+    let occluders = room.occluders.iter().enumerate().map(|(i, s)| ("occluder", i, s.clone()));
+    for (role, index, shape) in sources.chain(occluders).chain(surfaces_of_optics(room)) {
+        let probe = SurfaceProbe::new(&shape);
+        let points = room.points.iter().enumerate();
         let mut touching = points.filter(|(_, at)| probe.touches(at.position())).map(|(point, _)| point);
         if let Some(point) = touching.next() {
             let others = touching.count();
             found.push(ConfigurationError::PointOnSurface { point, others, role, index, kind: shape.kind() });
         }
     }
+    for second in 1..room.glass.len() {
+        let overlap = (0..second).find(|first| room.glass[*first].shape().overlaps(room.glass[second].shape()));
+        found.extend(overlap.map(|first| ConfigurationError::GlassOverlap { first, second }));
+    }
+    outside_enclosures(room, &mut found);
+    curved_before_sources(room, &mut found);
     found
+}
+
+/// The surfaces that points must not lie on, of optics and diffuse surfaces, as far as they are shapes that block.
+fn surfaces_of_optics(room: &Contents) -> impl Iterator<Item = (&'static str, usize, Shape)> {
+    let flat = |role: &'static str, index: usize, outline: Option<Vec<Shape>>| {
+        outline.into_iter().flatten().map(move |shape| (role, index, shape))
+    };
+    let mirrors = room.mirrors.iter().enumerate().flat_map(move |(i, m)| flat("mirror", i, m.shape().outline()));
+    let glass = room.glass.iter().enumerate().flat_map(move |(i, g)| flat("glass", i, g.shape().outline()));
+    // Points on the inside of an enclosure are what enclosures are for.
+    let diffuse = room.diffuse.iter().enumerate().filter(|(_, surface)| !surface.is_inward());
+    mirrors.chain(glass).chain(diffuse.map(|(i, surface)| ("diffuse", i, surface.as_shape())))
+}
+
+/// A sphere that holds a shape: about the middle of its box.
+fn ball_around(shape: &Shape) -> (DVec3, f64) {
+    let (low, high) = shape.bounds();
+    match shape {
+        Shape::Sphere(s) => (s.center(), s.radius()),
+        Shape::Disk(s) => (s.center(), s.radius()),
+        _ => (low * 0.5 + high * 0.5, (high - low).length() * 0.5),
+    }
+}
+
+/// Centres and radii, metres.
+type Balls = Vec<(DVec3, f64)>;
+
+/// Whatever reaches out of an enclosure.
+fn outside_enclosures(room: &Contents, found: &mut Vec<ConfigurationError>) {
+    for enclosure in room.diffuse.iter().filter(|surface| surface.is_inward()) {
+        // A flat receiver's or a mesh's bounding sphere may be larger than the enclosure: then its corners decide.
+        let mut balls: Vec<(&'static str, usize, Balls)> = Vec::new();
+        let shapes = room.sources.iter().map(|source| source.shape()).enumerate().map(|(i, s)| ("source", i, s));
+        let shapes = shapes.chain(room.occluders.iter().enumerate().map(|(i, s)| ("occluder", i, s)));
+        balls.extend(shapes.map(|(role, i, shape)| (role, i, extremes(shape))));
+        let others = room.diffuse.iter().enumerate().filter(|(_, other)| *other != enclosure);
+        balls.extend(others.map(|(i, surface)| ("diffuse", i, extremes(&surface.as_shape()))));
+        balls.extend(room.mirrors.iter().enumerate().map(|(i, m)| match m.shape().outline().as_deref() {
+            Some([shape]) => ("mirror", i, extremes(shape)),
+            _ => ("mirror", i, vec![m.shape().bounding_sphere()]),
+        }));
+        balls.extend(room.glass.iter().enumerate().map(|(i, g)| match g.shape().outline() {
+            Some(shapes) => ("glass", i, shapes.iter().flat_map(extremes).collect()),
+            None => ("glass", i, vec![g.shape().bounding_sphere()]),
+        }));
+        balls.extend(room.lamps.iter().enumerate().map(|(i, lamp)| match lamp {
+            super::Lamp::Point(lamp) => ("lamp", i, vec![(lamp.position(), 0.0)]),
+            super::Lamp::Beam(lamp) => ("lamp", i, vec![(lamp.center(), lamp.radius())]),
+        }));
+        balls
+            .extend(room.points.iter().enumerate().map(|(i, p)| ("measurement point", i, vec![(p.position(), 0.0)])));
+        let outside = balls.iter().filter(|(_, _, balls)| !balls.iter().all(|(c, r)| enclosure.encloses(*c, *r)));
+        found.extend(outside.map(|(role, index, _)| ConfigurationError::OutsideEnclosure { role, index: *index }));
+    }
+}
+
+/// Small spheres whose hull holds a shape: its corners, or one about it.
+fn extremes(shape: &Shape) -> Balls {
+    match shape {
+        Shape::Rectangle(s) => s.corners().map(|corner| (corner, 0.0)).to_vec(),
+        Shape::Polygon(s) => s.vertices().iter().map(|corner| (*corner, 0.0)).collect(),
+        Shape::Mesh(s) => s.vertices().iter().map(|corner| (*corner, 0.0)).collect(),
+        _ => vec![ball_around(shape)],
+    }
+}
+
+/// Optics without an outline in closed form that may stand between a point and a source with area.
+///
+/// Decided by bounding spheres: too often rather than too seldom.
+fn curved_before_sources(room: &Contents, found: &mut Vec<ConfigurationError>) {
+    let mirrors = room.mirrors.iter().enumerate().filter(|(_, m)| m.shape().outline().is_none());
+    let mirrors = mirrors.map(|(i, m)| ("mirror", i, m.shape().kind(), m.shape().bounding_sphere()));
+    let glass = room.glass.iter().enumerate().filter(|(_, g)| g.shape().outline().is_none());
+    let glass = glass.map(|(i, g)| ("glass", i, g.shape().kind(), g.shape().bounding_sphere()));
+    let emitters: Vec<(DVec3, f64)> = room.sources.iter().map(|source| ball_around(source.shape())).collect();
+    for (role, index, kind, ball) in mirrors.chain(glass) {
+        for (source_index, emitter) in emitters.iter().enumerate() {
+            let points = room.points.iter().enumerate();
+            let mut behind =
+                points.filter(|(_, at)| may_stand_between(at.position(), *emitter, ball)).map(|(point, _)| point);
+            if let Some(point) = behind.next() {
+                let others = behind.count();
+                let error = ConfigurationError::CurvedBefore { point, others, role, index, kind, source_index };
+                found.push(error);
+                break;
+            }
+        }
+    }
+}
+
+/// Whether a ball meets the hull of a point and another ball.
+fn may_stand_between(point: DVec3, emitter: (DVec3, f64), ball: (DVec3, f64)) -> bool {
+    // The hull is covered by spheres about the points of the axis whose radius grows from 0 to the emitter's.
+    let axis = emitter.0 - point;
+    let offset = ball.0 - point;
+    let reach = |share: f64| (offset - axis * share).length() - emitter.1 * share - ball.1;
+    // A convex function of the share: its least value by golden section, then a margin for what is left.
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..60 {
+        let (a, b) = (low + 0.382 * (high - low), low + 0.618 * (high - low));
+        if reach(a) < reach(b) { high = b } else { low = a }
+    }
+    let least = reach(0.5 * (low + high)).min(reach(0.0)).min(reach(1.0));
+    least <= 1e-9 * (axis.length() + ball.1)
 }
 
 /// Tells whether a point lies on a shape's surface, to rounding.
@@ -136,7 +284,7 @@ fn on_polygon(point: DVec3, polygon: &Polygon, reach: f64) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::configuration::{Arrangement, MeasurementPoint, Source};
+    use crate::configuration::{Arrangement, Configuration, MeasurementPoint, Source};
     use crate::geometry::{Disk, Mesh, Rectangle, Sphere};
     use crate::radiometry::Exitance;
 

@@ -13,13 +13,16 @@ use std::f64::consts::PI;
 use std::num::NonZero;
 use std::sync::Arc;
 
+use glam::DVec3;
+
 use super::draws::add_lanes;
 use super::{Estimator, Job};
-use crate::configuration::{Configuration, MeasurementPoint};
+use crate::configuration::{Configuration, MeasurementPoint, Source};
 use crate::sampling::{
     BLOCK, LANES, Lanes, Pattern, Row, Squares, StreamKey, Surface, SurfaceBlock, fill_side_by_side, groups,
 };
 use crate::scene::{Blocker, ShadowRays, Surroundings};
+use crate::texture::Texture;
 
 /// Estimates irradiance at any point of a configuration.
 pub struct AreaEstimator {
@@ -30,8 +33,9 @@ pub struct AreaEstimator {
 /// A source, and what can come between it and a shading point.
 pub(super) struct Emitter {
     surface: Surface,
-    /// Area × exitance / π, W/sr.
+    /// Area × exitance / π, W/sr; of a textured source area / π, the exitance being read at each place.
     strength: f64,
+    texture: Option<Arc<Texture>>,
     blockers: Vec<Arc<Blocker>>,
 }
 
@@ -72,12 +76,18 @@ pub(super) fn emitters(configuration: &Configuration, surroundings: &Surrounding
     let emitters = configuration.sources().iter().enumerate().map(|(own, source)| {
         let surface = Surface::new(source.shape()).expect("a source is no mesh");
         Emitter {
-            strength: surface.area() * source.exitance().watts_per_square_metre() / PI,
+            strength: surface.area() * uniform_exitance(source) / PI,
+            texture: source.texture().cloned(),
             surface,
             blockers: surroundings.before(own),
         }
     });
     emitters.collect()
+}
+
+/// W/m²; 1 where the exitance is read at each place instead.
+pub(super) fn uniform_exitance(source: &Source) -> f64 {
+    if source.texture().is_some() { 1.0 } else { source.exitance().watts_per_square_metre() }
 }
 
 impl Estimator for AreaEstimator {
@@ -166,6 +176,7 @@ impl Place<'_> {
                     pattern.fill(squares, len);
                     self.emitter.surface.place(squares, len, places);
                     self.emitter.illuminate(point, places, len, shading);
+                    self.emitter.weigh(places, len, shading);
                     shading.add_to(&mut sum, len);
                     left -= len as u64;
                 }
@@ -189,6 +200,7 @@ impl Place<'_> {
                 self.emitter.surface.place(squares, len, places);
                 for (point, sum) in job.points.iter().zip(sums.iter_mut()) {
                     self.emitter.illuminate(point, places, len, shading);
+                    self.emitter.weigh(places, len, shading);
                     shading.add_to(sum, len);
                 }
                 left -= len as u64;
@@ -221,6 +233,7 @@ impl Place<'_> {
                     scatter(p as u64 + 1, squares, places);
                 }
                 self.emitter.illuminate(point, places, N * count, shading);
+                self.emitter.weigh(places, N * count, shading);
                 let row = &mut estimates[p * self.stride + start..][..count];
                 let (contributions, _) = shading.contributions.as_flattened().as_chunks::<N>();
                 for (estimate, lanes) in row.iter_mut().zip(contributions) {
@@ -260,6 +273,13 @@ impl Emitter {
     #[inline(always)]
     pub(super) fn place(&self, squares: &Squares, len: usize, places: &mut SurfaceBlock) {
         self.surface.place(squares, len, places);
+    }
+
+    /// The exitance at a place of a block, W/m²; 1 where that is no matter of the place.
+    pub(super) fn texture_at(&self, places: &SurfaceBlock, group: usize, lane: usize) -> f64 {
+        let Some(texture) = &self.texture else { return 1.0 };
+        let offset = DVec3::new(places.x[group][lane], places.y[group][lane], places.z[group][lane]);
+        texture.at(self.surface.origin() + offset)
     }
 
     /// Sets the contributions of one block of source points to cosθᵢ cosθₛ / r² · Vis.
@@ -316,16 +336,30 @@ impl Emitter {
             blocker.shade(point.position(), rays, len, contributions);
         }
     }
+
+    /// Weighs contributions by the exitance at their places, where a texture says that.
+    #[inline(always)]
+    fn weigh(&self, places: &SurfaceBlock, len: usize, shading: &mut Shading) {
+        if self.texture.is_none() {
+            return;
+        }
+        for g in 0..groups(len) {
+            for l in 0..LANES {
+                if shading.contributions[g][l] > 0.0 {
+                    shading.contributions[g][l] *= self.texture_at(places, g, l);
+                }
+            }
+        }
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::configuration::{Arrangement, Source};
+    use crate::configuration::Arrangement;
     use crate::geometry::{Disk, Rectangle, Shape, Sphere};
     use crate::radiometry::Exitance;
     use crate::sampling::{Strategy, Technique};
-    use glam::DVec3;
 
     fn over_the_origin(shape: Shape, occluders: Vec<Shape>) -> Configuration {
         let source = Source::new(shape, Exitance::new(2.0)).unwrap();

@@ -13,25 +13,23 @@
 
 use super::draws::{hemisphere_key, mean};
 use super::{Estimator, Job, Scratch};
-use crate::configuration::Configuration;
+use crate::configuration::{Configuration, Source};
 use crate::sampling::{DirectionBlock, LANES, Squares, cosine_weighted, groups};
 use crate::scene::{Met, Surroundings};
 
 /// Estimates irradiance by cosine-weighted directions of the hemisphere.
 pub struct CosineEstimator {
     surroundings: Surroundings,
-    /// W/m², one for each source.
-    exitances: Vec<f64>,
+    sources: Vec<Source>,
     arch: pulp::Arch,
 }
 
 impl CosineEstimator {
     /// Prepares shapes and hierarchies.
     pub fn new(configuration: &Configuration) -> CosineEstimator {
-        let exitances = configuration.sources().iter().map(|source| source.exitance().watts_per_square_metre());
         CosineEstimator {
             surroundings: Surroundings::new(configuration),
-            exitances: exitances.collect(),
+            sources: configuration.sources().to_vec(),
             arch: pulp::Arch::new(),
         }
     }
@@ -59,7 +57,7 @@ impl pulp::NullaryFnOnce for Estimate<'_, '_> {
 
     #[inline(always)]
     fn call(self) {
-        let Estimate { estimator: CosineEstimator { surroundings, exitances, .. }, job, estimates } = self;
+        let Estimate { estimator: CosineEstimator { surroundings, sources, .. }, job, estimates } = self;
         estimates.fill(0.0);
         let replicates = (job.replicates.end - job.replicates.start) as usize;
         if replicates == 0 {
@@ -75,7 +73,10 @@ impl pulp::NullaryFnOnce for Estimate<'_, '_> {
                         for g in 0..groups(len) {
                             for l in 0..LANES {
                                 // No source has the index of nothing.
-                                brought[g][l] = exitances.get(met.source[g][l] as usize).copied().unwrap_or(0.0);
+                                brought[g][l] = sources.get(met.source[g][l] as usize).map_or(0.0, |source| {
+                                    let way = directions.direction(g, l) * met.distance[g][l];
+                                    source.exitance_at(point.position() + way).watts_per_square_metre()
+                                });
                             }
                         }
                     });

@@ -12,13 +12,15 @@
 #![expect(clippy::needless_range_loop, reason = "one index over several rows is what the compiler makes vectors of")]
 
 use std::f64::consts::PI;
+use std::sync::Arc;
 
-use super::area::{Emitter, Shading, emitters};
+use super::area::{Emitter, Shading, emitters, uniform_exitance};
 use super::draws::{hemisphere_key, mean, source_key};
 use super::{Estimator, Job, Scratch};
 use crate::configuration::{Configuration, MeasurementPoint};
 use crate::sampling::{DirectionBlock, Heuristic, LANES, Row, Squares, SurfaceBlock, cosine_weighted, groups};
 use crate::scene::{Met, Surroundings};
+use crate::texture::Texture;
 
 /// Estimates irradiance by points on the sources and directions of the hemisphere together.
 pub struct MixtureEstimator {
@@ -30,8 +32,9 @@ pub struct MixtureEstimator {
 
 struct Source {
     emitter: Emitter,
-    /// W/m².
+    /// W/m²; 1 where it is read from a texture instead.
     exitance: f64,
+    texture: Option<Arc<Texture>>,
     /// Square metres, over π.
     area_over_pi: f64,
 }
@@ -42,7 +45,8 @@ impl MixtureEstimator {
         let surroundings = Surroundings::new(configuration);
         let emitters = emitters(configuration, &surroundings);
         let sources = configuration.sources().iter().zip(emitters).map(|(source, emitter)| Source {
-            exitance: source.exitance().watts_per_square_metre(),
+            exitance: uniform_exitance(source),
+            texture: source.texture().cloned(),
             area_over_pi: emitter.area() / PI,
             emitter,
         });
@@ -106,7 +110,7 @@ impl pulp::NullaryFnOnce for Estimate<'_, '_> {
 }
 
 impl Source {
-    /// Sets what each point on the source brings to ρ w_a Vis.
+    /// Sets what each point on the source brings to ρ w_a Vis, times the exitance where a texture says that.
     #[inline(always)]
     fn by_area(
         &self,
@@ -124,6 +128,9 @@ impl Source {
                 // Finite, so that the product with a weight of zero is zero.
                 let ratio = (self.area_over_pi * work.shading.contribution(g, l)).min(f64::MAX);
                 brought[g][l] = ratio * heuristic.weight(1.0 / ratio);
+                if brought[g][l] > 0.0 {
+                    brought[g][l] *= self.emitter.texture_at(&work.places, g, l);
+                }
             }
         }
     }
@@ -142,7 +149,11 @@ impl MixtureEstimator {
                     let cosine = point.normal().dot(directions.direction(g, l)).max(0.0);
                     let distance = met.distance[g][l];
                     let ratio = source.area_over_pi * cosine * met.cosine[g][l] / (distance * distance);
-                    source.exitance * self.heuristic.weight(ratio)
+                    let read = source
+                        .texture
+                        .as_ref()
+                        .map_or(1.0, |texture| texture.at(point.position() + directions.direction(g, l) * distance));
+                    source.exitance * read * self.heuristic.weight(ratio)
                 });
             }
         }

@@ -13,11 +13,15 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
+use glam::DVec3;
+
+use super::area::uniform_exitance;
 use super::draws::{mean, source_key};
 use super::{Estimator, Job, Scratch};
 use crate::configuration::{Configuration, MeasurementPoint};
 use crate::sampling::{BLOCK, DirectionBlock, LANES, Row, Silhouette, Squares, View, groups};
 use crate::scene::{Blocker, ShadowRays, Surroundings};
+use crate::texture::Texture;
 
 /// Estimates irradiance by directions towards the sources.
 pub struct SolidAngleEstimator {
@@ -28,8 +32,9 @@ pub struct SolidAngleEstimator {
 /// A source, and what can come between it and a shading point.
 struct Emitter {
     silhouette: Silhouette,
-    /// Exitance / π, W/(m² sr).
+    /// Exitance / π, W/(m² sr); of a textured source 1/π, the exitance being read where a direction meets it.
     radiance: f64,
+    texture: Option<Arc<Texture>>,
     blockers: Vec<Arc<Blocker>>,
 }
 
@@ -39,7 +44,8 @@ impl SolidAngleEstimator {
         let surroundings = Surroundings::new(configuration);
         let emitters = configuration.sources().iter().enumerate().map(|(own, source)| Emitter {
             silhouette: Silhouette::new(source.shape()).expect("a source is no mesh"),
-            radiance: source.exitance().watts_per_square_metre() / PI,
+            radiance: uniform_exitance(source) / PI,
+            texture: source.texture().cloned(),
             blockers: surroundings.before(own),
         });
         SolidAngleEstimator { emitters: emitters.collect(), arch: pulp::Arch::new() }
@@ -111,7 +117,7 @@ impl Default for Distances {
 }
 
 impl Aim {
-    /// Sets what each direction brings to cosθᵢ · Vis.
+    /// Sets what each direction brings to cosθᵢ · Vis, times the exitance where a texture says that.
     #[inline(always)]
     fn shoot(
         &mut self,
@@ -123,11 +129,11 @@ impl Aim {
     ) {
         let Aim { view, directions, distances: Distances(distances), rays } = self;
         view.draw(squares, len, directions, distances);
-        for g in 0..groups(len) {
-            for l in 0..LANES {
+        for (g, brought) in brought.iter_mut().enumerate().take(groups(len)) {
+            for (l, brought) in brought.iter_mut().enumerate() {
                 let (direction, distance) = (directions.direction(g, l), distances[g][l]);
                 let cosine = point.normal().dot(direction).max(0.0);
-                brought[g][l] = if distance > 0.0 { cosine } else { 0.0 };
+                *brought = if distance > 0.0 { cosine } else { 0.0 };
                 rays.x[g][l] = direction.x * distance;
                 rays.y[g][l] = direction.y * distance;
                 rays.z[g][l] = direction.z * distance;
@@ -135,6 +141,16 @@ impl Aim {
         }
         for blocker in &emitter.blockers {
             blocker.shade(point.position(), rays, len, brought);
+        }
+        if let Some(texture) = &emitter.texture {
+            for (g, brought) in brought.iter_mut().enumerate().take(groups(len)) {
+                for (l, brought) in brought.iter_mut().enumerate() {
+                    if *brought > 0.0 {
+                        let way = DVec3::new(rays.x[g][l], rays.y[g][l], rays.z[g][l]);
+                        *brought *= texture.at(point.position() + way);
+                    }
+                }
+            }
         }
     }
 }

@@ -43,15 +43,24 @@ pub enum ShapeError {
     NoSuchVertex { triangle: usize, said: usize, vertices: usize },
     #[error("the mesh has no triangle with an area")]
     NoTriangles,
+    #[error("{field} is {said}; at most {most} (metres) is accepted, where the sphere is widest")]
+    TooWide { field: &'static str, said: f64, most: f64 },
+    #[error("{field} points along the axis; it needs a part across it")]
+    AlongAxis { field: &'static str },
+    #[error("{field} is {said}; it is a share, greater than 0 and at most 1")]
+    NotAShare { field: &'static str, said: f64 },
 }
 
 impl ShapeError {
     /// The case-file key that the error is about, when it is about a single one.
     pub fn field(&self) -> Option<&'static str> {
         match self {
-            Self::NotFinite { field, .. } | Self::NotPositive { field, .. } | Self::NoDirection { field } => {
-                Some(field)
-            }
+            Self::NotFinite { field, .. }
+            | Self::NotPositive { field, .. }
+            | Self::NoDirection { field }
+            | Self::TooWide { field, .. }
+            | Self::AlongAxis { field }
+            | Self::NotAShare { field, .. } => Some(field),
             Self::NotPerpendicular { .. } => Some("edge_v"),
             Self::TooFewVertices { .. }
             | Self::RepeatedVertex { .. }

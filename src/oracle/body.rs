@@ -98,7 +98,7 @@ impl Body {
         Body { figure: Figure::Mesh(Box::new(surface)), center, reach }
     }
 
-    fn of_flat(flat: Flat) -> Body {
+    pub(super) fn of_flat(flat: Flat) -> Body {
         // The mean of the corners lies in their plane; relative to one of them, so that far corners keep their digits.
         let first = flat.offsets[0];
         let middle = first + flat.offsets.iter().map(|p| *p - first).sum::<DVec3>() / flat.offsets.len() as f64;

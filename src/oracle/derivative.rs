@@ -182,8 +182,8 @@ impl Side {
 pub struct Derivatives {
     /// The value itself, as [`Oracle::at`] gives it.
     pub truth: Truth,
-    /// One for each parameter; W/m² per unit of the parameter. `None` where the irradiance has no closed form, or outlines
-    /// touch in a way that leaves its slopes undecided.
+    /// One for each parameter; W/m² per unit of the parameter. `None` where the irradiance has no closed form, a textured
+    /// source is seen, or outlines touch in a way that leaves its slopes undecided.
     pub values: Option<Vec<f64>>,
     /// Whether they are the derivatives of moves both ways.
     pub side: Side,
@@ -262,6 +262,10 @@ impl Oracle {
                 if matches!(seen.sight, Sight::Hidden | Sight::Below) {
                     continue;
                 }
+                // The outlines that move are those of every texel.
+                if seen.light.is_some() {
+                    return Derivatives { truth, values: None, side };
+                }
                 // What cancels in the value cancels in its slopes.
                 let slopes = match seen.method {
                     Method::Quadrature => None,
@@ -313,7 +317,7 @@ impl Oracle {
             })
         };
         let form = |at: BodyAt| Form::moving(self.body(at), eye, motions(at));
-        let factor = self.factor(source, seen.shadow.as_ref(), n, form)?;
+        let factor = self.factor(BodyAt::Source(source), seen.shadow.as_ref(), n, form)?;
         // Where outlines touch, crossings found anew may be others than those that were decided on.
         let off = (factor.value.primal() - seen.visible.value).abs();
         (off <= 1e-12 * seen.unoccluded + PARTED * seen.visible.bound).then_some(factor.value.slopes)

@@ -6,7 +6,7 @@ use glam::DVec3;
 use rand_xoshiro::SplitMix64;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
 
-use super::exact::{self, Oracle};
+use super::exact::{self, BodyAt, Oracle};
 use super::form::Form;
 use super::{Parameter, Side};
 use crate::configuration::{Arrangement, Configuration, MeasurementPoint, Source};
@@ -118,7 +118,8 @@ fn wide(configuration: &Configuration) -> Option<(Wide, u64)> {
     let seen = seen.pop()?;
     let eye = Vector::constant(point.position()) * Wide::constant(oracle.scale);
     let n = Vector::constant(point.normal_as_given()).normalize();
-    let factor = oracle.factor(0, seen.shadow.as_ref(), n, |at| Form::refined(oracle.body(at), eye))?;
+    let factor =
+        oracle.factor(BodyAt::Source(0), seen.shadow.as_ref(), n, |at| Form::refined(oracle.body(at), eye))?;
     Some((factor.value, topology))
 }
 

@@ -1,5 +1,7 @@
 //! The exact side of one configuration, ready to be asked anywhere.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
 use super::body::{Body, Figure};
@@ -9,11 +11,13 @@ use super::penumbra::{self, Outline, Visible};
 use super::piece::Piece;
 use super::point_factor::{self, Factor};
 use super::quadrature::{self, Strips};
+use super::textured::{self, Light};
 use super::truth::{Method, Region, Sight, Truth};
 use super::variance::Chart;
 use crate::configuration::{Configuration, MeasurementPoint, Source};
 use crate::number::{Number, Vector, Wide};
 use crate::radiometry::{FormFactor, Irradiance};
+use crate::texture::Texture;
 
 /// Exact irradiance at any point of a configuration.
 ///
@@ -40,8 +44,12 @@ pub(super) struct Emitter {
     pub(super) chart: Chart,
     /// m².
     pub(super) area: f64,
-    /// W/m².
+    /// W/m²; of a textured source, its mean.
     pub(super) exitance: f64,
+    pub(super) texture: Option<Arc<Texture>>,
+    /// What a flat source of constant texels is made of: one body for each run of equal ones that shine, and its exitance,
+    /// W/m².
+    pub(super) parts: Vec<(Body, f64)>,
 }
 
 /// Which body of a configuration.
@@ -49,6 +57,18 @@ pub(super) struct Emitter {
 pub(super) enum BodyAt {
     Source(usize),
     Occluder(usize),
+    /// Of a textured source: source and part.
+    Part(usize, usize),
+}
+
+impl BodyAt {
+    /// The source that it is, or is part of.
+    fn source(self) -> Option<usize> {
+        match self {
+            BodyAt::Source(i) | BodyAt::Part(i, _) => Some(i),
+            BodyAt::Occluder(_) => None,
+        }
+    }
 }
 
 /// One source at one point.
@@ -67,6 +87,8 @@ pub(super) struct Seen {
     pub is_ring: bool,
     /// Whether a small move of anything would change the shadow's topology.
     pub touching: bool,
+    /// What a textured source brings; of others, exitance × form factor.
+    pub light: Option<Light>,
 }
 
 /// An outline of what is seen of a source, and what it is made from.
@@ -91,6 +113,7 @@ impl Seen {
             shadow_edge: false,
             is_ring: false,
             touching: false,
+            light: None,
         }
     }
     fn below() -> Seen {
@@ -135,7 +158,7 @@ pub(super) fn is_annular(sources: &[Seen]) -> bool {
 impl Oracle {
     /// Prepares all shapes once, for any number of points.
     pub fn new(configuration: &Configuration) -> Oracle {
-        let shapes = || configuration.sources().iter().map(Source::shape).chain(configuration.occluders());
+        let shapes = || configuration.sources().iter().map(Source::shape).chain(configuration.blockers());
         let largest = shapes()
             .map(|shape| {
                 let (low, high) = shape.bounds();
@@ -148,10 +171,12 @@ impl Oracle {
             let exitance = source.exitance().watts_per_square_metre();
             // A source is no mesh: one body, and a chart.
             let body = Body::of_shape(shape, scale).pop()?;
-            Some(Emitter { body, chart: Chart::of(shape)?, area: shape.area(), exitance })
+            let texture = source.texture().cloned();
+            let parts = texture.as_ref().map(|texture| textured::parts(texture, scale)).unwrap_or_default();
+            Some(Emitter { body, chart: Chart::of(shape)?, area: shape.area(), exitance, texture, parts })
         };
         let of_occluder = |(i, shape)| Body::of_shape(shape, scale).into_iter().map(move |body| (body, i));
-        let (occluders, occluder_of) = configuration.occluders().iter().enumerate().flat_map(of_occluder).unzip();
+        let (occluders, occluder_of) = configuration.blockers().iter().enumerate().flat_map(of_occluder).unzip();
         Oracle {
             scale,
             sources: configuration.sources().iter().filter_map(emitter).collect(),
@@ -169,19 +194,26 @@ impl Oracle {
 
     /// Every source as a point sees it.
     pub(super) fn seen(&self, point: &MeasurementPoint) -> Vec<Seen> {
-        (0..self.sources.len()).map(|i| self.of_source(i, point)).collect()
+        (0..self.sources.len())
+            .map(|i| {
+                let seen = self.of_body(BodyAt::Source(i), point);
+                Seen { light: self.light_of_texture(i, point, &seen, textured::PRECISE), ..seen }
+            })
+            .collect()
     }
 
     pub(super) fn together(&self, sources: &[Seen]) -> Truth {
         let (mut irradiance, mut unoccluded, mut form_factor, mut bound) = (0.0, 0.0, 0.0, 0.0);
         let (mut shadow_edge, mut method) = (false, Method::ClosedForm);
         for (seen, source) in sources.iter().zip(&self.sources) {
-            irradiance += source.exitance * seen.visible.value;
-            unoccluded += source.exitance * seen.unoccluded;
+            let light = seen.light.unwrap_or_else(|| Light::uniform(source.exitance, seen));
+            irradiance += light.value;
+            unoccluded += light.unoccluded;
             form_factor += seen.visible.value;
-            bound += source.exitance * seen.visible.bound;
-            shadow_edge |= seen.shadow_edge;
-            if seen.method == Method::Quadrature {
+            bound += light.bound;
+            // Where the exitance jumps the integrand does, too.
+            shadow_edge |= seen.shadow_edge || light.jumps;
+            if light.method == Method::Quadrature {
                 method = Method::Quadrature;
             }
         }
@@ -200,19 +232,21 @@ impl Oracle {
         match at {
             BodyAt::Source(i) => &self.sources[i].body,
             BodyAt::Occluder(i) => &self.occluders[i],
+            BodyAt::Part(i, part) => &self.sources[i].parts[part].0,
         }
     }
 
-    fn of_source(&self, index: usize, point: &MeasurementPoint) -> Seen {
+    /// One source, or a part of one, as a point sees it.
+    pub(super) fn of_body(&self, own: BodyAt, point: &MeasurementPoint) -> Seen {
         let (eye, n) = (point.position() * self.scale, point.normal());
-        let body = &self.sources[index].body;
+        let body = self.body(own);
         let form = Form::plain(body, eye);
         let Some(front) = Front::of(body, &form) else { return Seen::below() };
         let Some(piece) = Piece::of_source(&form, Vector::constant(n)) else { return Seen::below() };
         let unoccluded = point_factor::unoccluded(&form, &piece, Vector::constant(n));
-        let (unoccluded, is_wide) = self.sharpened(unoccluded, index, None, point, is_grazing(body, eye));
+        let (unoccluded, is_wide) = self.sharpened(unoccluded, own, None, point, is_grazing(body, eye));
         let others = (0..self.occluders.len()).map(BodyAt::Occluder);
-        let others = others.chain((0..self.sources.len()).filter(|i| *i != index).map(BodyAt::Source));
+        let others = others.chain((0..self.sources.len()).filter(|i| Some(*i) != own.source()).map(BodyAt::Source));
         let (mut pieces, mut blockers) = (Vec::new(), Vec::new());
         for at in others.clone() {
             match front.before(self.body(at), eye) {
@@ -241,7 +275,7 @@ impl Oracle {
         if seen.nothing_hidden() && doubt == 0.0 {
             return Seen { touching: seen.touching, ..whole() };
         }
-        self.judged(seen, unoccluded, &piece, blockers, index, point)
+        self.judged(seen, unoccluded, &piece, blockers, own, point)
     }
 
     /// What the classification of the contour makes of a source.
@@ -251,18 +285,18 @@ impl Oracle {
         unoccluded: Factor,
         piece: &Piece,
         blockers: Vec<(BodyAt, bool)>,
-        index: usize,
+        at: BodyAt,
         point: &MeasurementPoint,
     ) -> Seen {
         let doubt = seen.doubt / (2.0 * std::f64::consts::PI);
         let shade = point_factor::from_terms(seen.occluders);
         let own = if seen.source_hidden { point_factor::from_terms(seen.source) } else { unoccluded };
-        let bodies = blockers.iter().map(|(at, _)| *at).chain([BodyAt::Source(index)]);
+        let bodies = blockers.iter().map(|(at, _)| *at).chain([at]);
         let is_grazing = bodies.map(|at| self.body(at)).any(|body| is_grazing(body, point.position() * self.scale));
         let told = seen.surely_seen && (seen.surely_hidden || piece.is_cut);
         let shadow = Shadow { outline: seen.outline, blockers, source_hidden: seen.source_hidden };
         let visible = Factor { value: own.value - shade.value, bound: own.bound + shade.bound };
-        let (mut visible, is_wide) = self.sharpened(visible, index, Some(&shadow), point, is_grazing);
+        let (mut visible, is_wide) = self.sharpened(visible, at, Some(&shadow), point, is_grazing);
         visible.value = visible.value.clamp(0.0, unoccluded.value);
         visible.bound += doubt;
         Seen {
@@ -287,7 +321,7 @@ impl Oracle {
     fn sharpened(
         &self,
         plain: Factor,
-        index: usize,
+        source: BodyAt,
         shadow: Option<&Shadow>,
         point: &MeasurementPoint,
         is_grazing: bool,
@@ -298,7 +332,7 @@ impl Oracle {
         let eye = Vector::constant(point.position()) * Wide::constant(self.scale);
         let n = Vector::constant(point.normal_as_given()).normalize();
         let form = |at| Form::refined(self.body(at), eye);
-        match self.factor(index, shadow, n, form) {
+        match self.factor(source, shadow, n, form) {
             // Where outlines touch, wide digits may see another topology than the one that was decided: then they tell nothing.
             Some(wide) if (wide.value.primal() - plain.value).abs() <= PARTED * plain.bound => {
                 let value = wide.value.primal();
@@ -309,19 +343,19 @@ impl Oracle {
         }
     }
 
-    /// The visible form factor of one source, over any number.
+    /// The visible form factor of one source, or a part of one, over any number.
     ///
     /// - `shadow`: what cuts the source, `None` where nothing does
     /// - `form`: each body relative to the eye
     /// - returns `None` where the number's own digits would decide differently from those of an `f64`
     pub(super) fn factor<'a, T: Number>(
         &self,
-        index: usize,
+        source: BodyAt,
         shadow: Option<&Shadow>,
         n: Vector<T>,
         form: impl Fn(BodyAt) -> Form<'a, T>,
     ) -> Option<Factor<T>> {
-        let source = form(BodyAt::Source(index));
+        let source = form(source);
         let piece = Piece::of_source(&source, n)?;
         let Some(shadow) = shadow else { return Some(point_factor::unoccluded(&source, &piece, n)) };
         let whole = (!shadow.source_hidden).then(|| point_factor::unoccluded(&source, &piece, n));
@@ -450,7 +484,8 @@ mod tests {
         if is_told && seen.method == Method::ClosedForm {
             let eye = Vector::constant(point.position()) * Wide::constant(oracle.scale);
             let n = Vector::constant(point.normal_as_given()).normalize();
-            let wide = oracle.factor(0, seen.shadow.as_ref(), n, |at| Form::refined(oracle.body(at), eye));
+            let wide =
+                oracle.factor(BodyAt::Source(0), seen.shadow.as_ref(), n, |at| Form::refined(oracle.body(at), eye));
             let wide = wide.map_or(f, |wide| wide.value.primal());
             prop_assert!((f - wide).abs() <= bound + normals, "{f:e} against {wide:e} over wide numbers: {truth:?}");
         }

@@ -10,7 +10,7 @@
 //! |---|---|
 //! | irradiance at a point, how much of the sources it sees | [`Oracle::at`]; where there is no closed form, by quadrature, and it says so |
 //! | the same without any of the contour code | [`Oracle::by_quadrature`], the second witness: strips across each source |
-//! | with an exitance that varies over the source | [`ExitancePolynomial`] (a rectangle, nothing in the way); [`Oracle::by_quadrature_with`] |
+//! | with an exitance that varies over the source | [`Oracle::at`] of a [textured](crate::texture) source; [`ExitancePolynomial`] (a rectangle, nothing in the way); [`Oracle::by_quadrature_with`] |
 //! | derivatives with respect to the numbers of a case | [`Oracle::derivatives`]: the same contours over dual numbers |
 //! | where shadows begin and end along a line | [`limits::limits`] |
 //! | form factors between patches, means over a patch | [`patch`] |
@@ -37,6 +37,9 @@ mod quadrature;
 mod rim;
 mod silhouette;
 mod surface;
+mod textured;
+#[cfg(test)]
+mod textured_tests;
 mod trigonometric;
 mod truth;
 pub mod variance;

@@ -30,43 +30,7 @@ use crate::configuration::MeasurementPoint;
 use crate::geometry::{Rectangle, Shape};
 use crate::number::gauss_10;
 use crate::radiometry::{Exitance, Flux, FormFactor, Irradiance};
-
-/// Exitance over a rectangle: e00 + e10 s + e01 t + e20 s² + e11 s t + e02 t².
-///
-/// s and t are metres from the rectangle's centre along its unit edges `edge_u` and `edge_v`. Nothing keeps it from being
-/// negative somewhere; a polynomial that stands for a real source is not.
-///
-/// ```
-/// use etendue::configuration::MeasurementPoint;
-/// use etendue::geometry::{DVec3, Rectangle};
-/// use etendue::oracle::ExitancePolynomial;
-///
-/// let panel = Rectangle::new(DVec3::Z, DVec3::Y, DVec3::X)?; // one metre above, faces down
-/// let bulge = ExitancePolynomial { e00: 1.0, e20: -2.0, e02: -2.0, ..Default::default() };
-/// assert!((bulge.flux(&panel).watts() - (1.0 - 4.0 / 12.0)).abs() < 1e-15);
-///
-/// let point = MeasurementPoint::new(DVec3::ZERO, DVec3::Z)?;
-/// let truth = bulge.irradiance(&panel, &point);
-/// // Against the middle of the panel alone, which is what is brightest.
-/// assert!(truth.irradiance.watts_per_square_metre() > 0.0);
-/// assert!(truth.irradiance.watts_per_square_metre() < truth.form_factor.ratio());
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct ExitancePolynomial {
-    /// W/m².
-    pub e00: f64,
-    /// W/m³.
-    pub e10: f64,
-    /// W/m³.
-    pub e01: f64,
-    /// W/m⁴.
-    pub e20: f64,
-    /// W/m⁴.
-    pub e11: f64,
-    /// W/m⁴.
-    pub e02: f64,
-}
+pub use crate::texture::ExitancePolynomial;
 
 /// A value and how far off it may be.
 #[derive(Clone, Copy, Debug)]
@@ -83,19 +47,12 @@ impl ExitancePolynomial {
 
     /// The exitance at a position (metres) on a rectangle; beside its plane, that of the nearest point in it.
     pub fn at_position(&self, rectangle: &Rectangle, position: DVec3) -> Exitance {
-        let (u, v) = (rectangle.edge_u().normalize(), rectangle.edge_v().normalize());
-        let offset = position - rectangle.center();
-        // Edges may be off the right angle by rounding.
-        let (along_u, along_v, cosine) = (offset.dot(u), offset.dot(v), u.dot(v));
-        let square = 1.0 - cosine * cosine;
-        self.at((along_u - cosine * along_v) / square, (along_v - cosine * along_u) / square)
+        Exitance::new(self.value_at(rectangle, position))
     }
 
     /// All the power that leaves a rectangle: A (e00 + e20 a²/12 + e02 b²/12), with edges a, b and area A.
     pub fn flux(&self, rectangle: &Rectangle) -> Flux {
-        let square = |edge: DVec3| edge.length_squared() / 12.0;
-        let mean = self.e00 + self.e20 * square(rectangle.edge_u()) + self.e02 * square(rectangle.edge_v());
-        Flux::new(mean * rectangle.area())
+        Flux::new(self.mean(rectangle) * rectangle.area())
     }
 
     /// The irradiance at a point that sees all of the rectangle which its horizon leaves, nothing being in the way.
@@ -161,10 +118,6 @@ impl ExitancePolynomial {
             method: Method::Quadrature,
             shadow_edge: false,
         }
-    }
-
-    fn value(&self, s: f64, t: f64) -> f64 {
-        self.e00 + s * (self.e10 + self.e20 * s + self.e11 * t) + t * (self.e01 + self.e02 * t)
     }
 
     /// The same polynomial of coordinates whose origin is the foot, the centre being at (s, t).

@@ -38,6 +38,12 @@ pub enum RadiometryError {
         /// Its value.
         said: f64,
     },
+    /// An irradiance that is none.
+    #[error("the irradiance is {said} W/m²; it is finite, zero or greater")]
+    Irradiance {
+        /// Its value.
+        said: f64,
+    },
     /// What is wrong with a shape.
     #[error(transparent)]
     Shape(#[from] ShapeError),

@@ -1,11 +1,13 @@
 //! Radiometric quantities, the laws between them, and the closed forms that need no scene.
 
+mod beam;
 pub mod enclosure;
 mod error;
 mod fresnel;
 mod point_source;
 mod quantity;
 
+pub use beam::Beam;
 pub use error::RadiometryError;
 pub use fresnel::{Fresnel, mean_reflectance_from_inside, mean_reflectance_from_outside};
 pub use point_source::PointSource;

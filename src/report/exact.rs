@@ -13,7 +13,8 @@ use crate::radiometry::Albedo;
 #[derive(Clone, Copy, Debug)]
 pub struct ExactCase<'a> {
     pub name: &'a str,
-    pub albedo: Option<Albedo>,
+    /// The receiver's at each point, or `None`.
+    pub albedos: Option<&'a [Albedo]>,
     pub points: &'a [MeasurementPoint],
     /// One for each point.
     pub truths: &'a [Truth],
@@ -40,6 +41,11 @@ pub fn write_exact<'a>(
 ) -> Result<(), ReportError> {
     let rows = cases.into_iter().flat_map(|case| {
         assert_eq!(case.points.len(), case.truths.len(), "{}: one truth for each point", case.name);
+        assert!(
+            case.albedos.is_none_or(|albedos| albedos.len() == case.points.len()),
+            "{}: one albedo for each point",
+            case.name
+        );
         let points = case.points.iter().zip(case.truths).enumerate();
         points.map(move |(point, (at, truth))| ExactRow {
             case,
@@ -92,10 +98,15 @@ pub(super) fn exact<'a>() -> Table<ExactRow<'a>> {
             column!("irradiance_W_m2", "W/m²", "the sum of the three", |r| Field::Digits17(
                 r.truth.irradiance.watts_per_square_metre()
             )),
-            column!("radiosity_W_m2", "W/m²", "irradiance times the receiver's albedo; empty without one", |r| r
-                .case
-                .albedo
-                .map(|albedo| Field::Digits17((r.truth.irradiance * albedo).watts_per_square_metre()))),
+            column!(
+                "radiosity_W_m2",
+                "W/m²",
+                "irradiance times the receiver's albedo at the point; empty without one",
+                |r| r
+                    .case
+                    .albedos
+                    .map(|albedos| Field::Digits17((r.truth.irradiance * albedos[r.point]).watts_per_square_metre()))
+            ),
             column!("error_bound", "W/m²", "the irradiance is off by no more than this", |r| Field::Digits17(
                 r.truth.bound.watts_per_square_metre()
             )),

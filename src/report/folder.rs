@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 use super::ReportError;
 
 /// What plots are called after their case: the endings of the files below `plots/`.
-pub(super) const PLOT_KINDS: [&str; 5] = ["variance", "bias", "profile", "map", "correlation"];
+pub(super) const PLOT_KINDS: [&str; 8] =
+    ["variance", "bias", "profile", "map", "correlation", "caustic", "energy", "texels"];
 const PLOT_FORMATS: [&str; 2] = ["svg", "png"];
 pub(super) const PLOTS: &str = "plots";
 
@@ -15,8 +16,17 @@ pub(super) const PLOTS: &str = "plots";
 const PARTIAL: &str = "partial";
 
 /// Files that lie directly in the folder.
-pub(super) const FILES: [&str; 6] =
-    ["convergence.csv", "rates.csv", "correlation.csv", "verdicts.csv", "timings.csv", "manifest.json"];
+pub(super) const FILES: [&str; 9] = [
+    "convergence.csv",
+    "rates.csv",
+    "correlation.csv",
+    "energy.csv",
+    "caustic.csv",
+    "texels.csv",
+    "verdicts.csv",
+    "timings.csv",
+    "manifest.json",
+];
 
 /// A case's name may fill this much of a file name, bytes.
 #[cfg(feature = "plots")]

@@ -9,13 +9,15 @@ use rand_xoshiro::rand_core::{Rng, SeedableRng};
 
 use crate::configuration::{Arrangement, Configuration, MeasurementPoint, Source};
 use crate::geometry::{Disk, Shape};
+use crate::light::Moments;
 use crate::oracle::{Method, Region, Truth};
 use crate::radiometry::{Albedo, Exitance, FormFactor, Irradiance};
 use crate::sampling::Strategy;
 use crate::statistics::Verdict;
 use crate::statistics::interval::{Interval, Z_95};
 use crate::trial::{
-    CaseOutcome, Cell, Correlation, JudgedProperty, Measured, Rate, RatePoint, RunOutcome, StrategyOutcome, Timing,
+    CaseOutcome, CausticBin, Cell, Correlation, JudgedProperty, LightOutcome, LightRow, MapRow, Measured, Rate,
+    RatePoint, RunOutcome, StrategyOutcome, Timing,
 };
 
 const SAMPLES: [u64; 6] = [1, 4, 16, 64, 256, 1024];
@@ -245,12 +247,57 @@ fn case_outcome(name: &str, title: &str, arrangement: Arrangement) -> CaseOutcom
         title: title.to_owned(),
         digest,
         arrangement,
-        albedo: Some(Albedo::new(0.5)),
+        albedos: Some(vec![Albedo::new(0.5); points.len()]),
         points,
         truths,
         strategies,
+        light: Some(light()),
         timings: vec![Timing { stage: "exact", rays: 65, seconds: 2.1e-4, efficiency: None }],
     }
+}
+
+/// One budget of rays and one ring.
+fn light() -> LightOutcome {
+    let row = LightRow {
+        rays: 1000,
+        source_power: 2.0,
+        emitted: 2.0,
+        deposited: 1.5,
+        deposited_std_error: Some(0.01),
+        absorbed: 0.25,
+        escaped: 0.25,
+        terminated: 0.0,
+        residual: 0.0,
+        map_integral: 1.5,
+        exact_deposited: None,
+        verdict: Verdict::Pass,
+    };
+    let bin = CausticBin {
+        order: 2,
+        bin: 0,
+        radii: Some([0.0, 0.5]),
+        tile: None,
+        area: 0.25 * PI,
+        measured: 0.5,
+        std_error: Some(0.01),
+        exact: 0.51,
+        bound: 1e-16,
+        verdict: Verdict::Pass,
+        found: Moments::default(),
+    };
+    let texel = |size: f64| MapRow {
+        rays: 1000,
+        size,
+        places: 64,
+        irradiance: 1.0,
+        bias: 0.011 * size * size,
+        exact_bias: 0.01 * size * size,
+        variance: 1.1e-5 / (size * size),
+        predicted_variance: 1e-5 / (size * size),
+    };
+    let texels = [0.01, 0.03, 0.05].map(texel).to_vec();
+    let timing = Timing { stage: "light", rays: 1000, seconds: 1e-3, efficiency: None };
+    LightOutcome { rows: vec![row], bins: vec![bin], texels, verdicts: Vec::new(), timing }
 }
 
 /// Three cases: a line, a grid, and scattered points.

@@ -14,6 +14,7 @@ mod error;
 mod exact;
 mod folder;
 mod forecast;
+mod light;
 mod limits;
 mod manifest;
 #[cfg(feature = "plots")]
@@ -85,6 +86,9 @@ fn csv_files(outcome: &RunOutcome) -> Result<Vec<(&'static str, Vec<u8>)>, Repor
         filled(tables::convergence(), tables::convergence_rows(outcome))?,
         filled(tables::rates(), tables::rate_rows(outcome))?,
         filled(tables::correlation(), tables::correlation_rows(outcome))?,
+        filled(light::energy(), light::energy_rows(outcome))?,
+        filled(light::caustic(), light::caustic_rows(outcome))?,
+        filled(light::texels(), light::texel_rows(outcome))?,
         filled(tables::verdicts(), tables::verdict_rows(outcome))?,
         filled(tables::timings(), tables::timing_rows(outcome))?,
     ])
@@ -107,6 +111,9 @@ the tables.)*
         tables::convergence().described(),
         tables::rates().described(),
         tables::correlation().described(),
+        light::energy().described(),
+        light::caustic().described(),
+        light::texels().described(),
         tables::verdicts().described(),
         tables::timings().described(),
         exact::exact().described(),

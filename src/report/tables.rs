@@ -192,22 +192,33 @@ pub(super) fn correlation<'a>() -> Table<Of<'a, Correlation>> {
     }
 }
 
-pub(super) fn verdict_rows(outcome: &RunOutcome) -> impl Iterator<Item = Of<'_, JudgedProperty>> {
-    each(outcome, |s| &s.verdicts)
+/// One verdict.
+pub(super) struct VerdictRow<'a> {
+    case: &'a CaseOutcome,
+    strategy: &'static str,
+    item: &'a JudgedProperty,
 }
 
-pub(super) fn verdicts<'a>() -> Table<Of<'a, JudgedProperty>> {
+pub(super) fn verdict_rows(outcome: &RunOutcome) -> impl Iterator<Item = VerdictRow<'_>> {
+    outcome
+        .cases
+        .iter()
+        .flat_map(|case| case.verdicts().map(move |(strategy, item)| VerdictRow { case, strategy, item }))
+}
+
+pub(super) fn verdicts<'a>() -> Table<VerdictRow<'a>> {
     Table {
         file: "verdicts.csv",
         row: "one verdict: one property of one strategy in one case",
         case: |r| &r.case.name,
         columns: vec![
             column!("case", "", "the case's name", |r| r.case.name.as_str()),
-            column!("strategy", "", "the strategy's name", |r| r.strategy.strategy.name()),
+            column!("strategy", "", "the strategy's name; `light` for what was followed from the sources", |r| r
+                .strategy),
             column!(
                 "property",
                 "",
-                "what was judged: `bias`, `variance` (squared errors against their prediction) or `covariance` (the same of the mean and of contrasts over the points)",
+                "what was judged: `bias`, `variance` (squared errors against their prediction) or `covariance` (the same of the mean and of contrasts over the points); of light `energy` (the books) or `caustic` (rings against their exact flux)",
                 |r| r.item.property
             ),
             column!("verdict", "", "`pass`, `fail` or `undecided`", |r| r.item.verdict.name()),
@@ -256,7 +267,8 @@ pub(super) fn timing_rows(outcome: &RunOutcome) -> impl Iterator<Item = TimingRo
         let own = case.strategies.iter().flat_map(move |strategy| {
             strategy.timings.iter().map(move |timing| TimingRow { case, strategy: Some(strategy), timing })
         });
-        shared.chain(own)
+        let light = case.light.iter().map(move |light| TimingRow { case, strategy: None, timing: &light.timing });
+        shared.chain(own).chain(light)
     })
 }
 

@@ -45,11 +45,7 @@ pub fn table(outcome: &RunOutcome, options: &TableOptions) -> String {
     let lines: Vec<Line> = outcome
         .cases
         .iter()
-        .flat_map(|case| {
-            case.strategies.iter().flat_map(move |s| {
-                s.verdicts.iter().map(move |judged| Line { case: &case.name, strategy: s.strategy.name(), judged })
-            })
-        })
+        .flat_map(|case| case.verdicts().map(move |(strategy, judged)| Line { case: &case.name, strategy, judged }))
         .collect();
     let mut text = String::new();
     if !options.quiet {

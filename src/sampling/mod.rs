@@ -22,7 +22,7 @@ pub use seed::{Purpose, StreamKey};
 pub use silhouette::{DirectionBlock, Silhouette, View};
 pub use spherical::SphericalTriangle;
 pub use strategy::{Heuristic, PointSet, Strategy, Technique};
-pub use warp::{Seams, Surface, SurfaceBlock};
+pub use warp::{Seams, Surface, SurfaceBlock, concentric};
 
 /// Samples worked on together: small enough for the first-level cache, large enough to hide the dispatch.
 pub const BLOCK: usize = 128;

@@ -45,7 +45,7 @@ impl Surroundings {
         let blocker = |shape: &Shape| Arc::new(Blocker::new(shape, reach));
         Surroundings {
             sources: configuration.sources().iter().map(|source| blocker(source.shape())).collect(),
-            occluders: configuration.occluders().iter().map(blocker).collect(),
+            occluders: configuration.blockers().iter().map(blocker).collect(),
         }
     }
 

@@ -35,7 +35,7 @@ pub struct Forecast {
 /// Plans every case, and times it.
 pub fn forecast(cases: &[Case], settings: &Settings) -> Vec<Forecast> {
     let mut forecasts = Vec::new();
-    for case in cases {
+    for case in cases.iter().filter(|case| case.measures_direct_light()) {
         let study = settings.study(&case.study);
         let ready = Ready::new(case, &study, &for_technique);
         for strategy in &study.strategies {

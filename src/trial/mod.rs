@@ -8,6 +8,8 @@ mod accept;
 mod correlation;
 mod forecast;
 mod judge;
+mod light;
+mod map_error;
 mod measure;
 mod outcome;
 mod plan;
@@ -23,7 +25,8 @@ mod spread;
 
 pub use forecast::{Forecast, forecast};
 pub use outcome::{
-    CaseOutcome, Cell, Correlation, JudgedProperty, Measured, Rate, RatePoint, RunOutcome, StrategyOutcome, Timing,
+    CaseOutcome, CausticBin, Cell, Correlation, JudgedProperty, LightOutcome, LightRow, MapRow, Measured, Rate,
+    RatePoint, RunOutcome, StrategyOutcome, Timing,
 };
 pub use repeat::Repeated;
 pub use run::{Maker, Progress, TrialError, run, run_with};

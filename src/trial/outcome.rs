@@ -1,6 +1,7 @@
 //! What a run found: everything that reports show, and nothing about how it is shown.
 
 use crate::configuration::{Arrangement, Digest, MeasurementPoint};
+use crate::light::Moments;
 use crate::oracle::{Region, Truth};
 use crate::radiometry::Albedo;
 use crate::sampling::Strategy;
@@ -23,13 +24,113 @@ pub struct CaseOutcome {
     pub title: String,
     pub digest: Digest,
     pub arrangement: Arrangement,
-    pub albedo: Option<Albedo>,
+    /// The receiver's, one for each point.
+    pub albedos: Option<Vec<Albedo>>,
     pub points: Vec<MeasurementPoint>,
     /// One for each point.
     pub truths: Vec<Truth>,
     pub strategies: Vec<StrategyOutcome>,
+    /// Where there are mirrors, glass or lamps.
+    pub light: Option<LightOutcome>,
     /// Stages that belong to no strategy (exact values, the hierarchy against brute force).
     pub timings: Vec<Timing>,
+}
+
+impl CaseOutcome {
+    /// All verdicts in the order of the report, each with the name of the strategy that it is about, or `light`.
+    pub fn verdicts(&self) -> impl Iterator<Item = (&'static str, &JudgedProperty)> {
+        let of_strategies =
+            self.strategies.iter().flat_map(|s| s.verdicts.iter().map(|judged| (s.strategy.name(), judged)));
+        let of_light = self.light.iter().flat_map(|light| light.verdicts.iter().map(|judged| ("light", judged)));
+        of_strategies.chain(of_light)
+    }
+}
+
+/// What light that was followed from the sources has left.
+#[derive(Clone, Debug)]
+pub struct LightOutcome {
+    /// The books, one row for each budget of rays, ascending.
+    pub rows: Vec<LightRow>,
+    /// Rings of the largest budget that an exact value is known of, by order and then outwards.
+    pub bins: Vec<CausticBin>,
+    /// What the receiver's map is off by, for each budget of rays and size of texels; empty where it is not known.
+    pub texels: Vec<MapRow>,
+    pub verdicts: Vec<JudgedProperty>,
+    pub timing: Timing,
+}
+
+/// The books of one run, W.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LightRow {
+    pub rays: u64,
+    /// In closed form.
+    pub source_power: f64,
+    pub emitted: f64,
+    pub deposited: f64,
+    /// `None` below two independent groups of rays.
+    pub deposited_std_error: Option<f64>,
+    pub absorbed: f64,
+    pub escaped: f64,
+    pub terminated: f64,
+    /// What is unaccounted for.
+    pub residual: f64,
+    /// What all maps hold.
+    pub map_integral: f64,
+    /// What `deposited` should be; `None` where it is not known.
+    pub exact_deposited: Option<f64>,
+    /// Whether all of it is in balance, to 10⁻¹².
+    pub verdict: Verdict,
+}
+
+impl LightRow {
+    /// The largest gap in the books, relative to the sources' power.
+    pub fn largest_gap(&self) -> f64 {
+        let gaps = [self.residual, self.emitted - self.source_power, self.map_integral - self.deposited];
+        gaps.into_iter().map(f64::abs).fold(0.0, f64::max) / self.source_power.max(f64::MIN_POSITIVE)
+    }
+}
+
+/// Squares of texels of one size, and what they are off by.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MapRow {
+    pub rays: u64,
+    /// Root of a square's area, metres.
+    pub size: f64,
+    /// Squares.
+    pub places: usize,
+    /// Exact, at their middles, on average, W/m².
+    pub irradiance: f64,
+    /// Root mean square of what squares are off their middles' exact irradiance, less the predicted noise, W/m².
+    pub bias: f64,
+    /// The same by exact values alone, W/m².
+    pub exact_bias: f64,
+    /// Mean square of what squares are off their own exact means, W²/m⁴.
+    pub variance: f64,
+    /// The same as the counts of rays predict it, W²/m⁴.
+    pub predicted_variance: f64,
+}
+
+/// One ring around the axis of a caustic, one tile of the receiver, or all of it, and what light of one order brought to it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CausticBin {
+    /// Interactions on the way.
+    pub order: usize,
+    pub bin: usize,
+    /// Inner and outer, metres; `None` for the whole receiver.
+    pub radii: Option<[f64; 2]>,
+    /// Which tile of the receiver, along s and t; `None` for rings and for the whole receiver.
+    pub tile: Option<[usize; 2]>,
+    /// Square metres.
+    pub area: f64,
+    /// W.
+    pub measured: f64,
+    pub std_error: Option<f64>,
+    /// W, and what it is off by at most.
+    pub exact: f64,
+    pub bound: f64,
+    pub verdict: Verdict,
+    /// Over the independent groups of rays.
+    pub(crate) found: Moments,
 }
 
 /// One case under one strategy.
@@ -126,7 +227,7 @@ pub struct Correlation {
 /// One line of the verdict table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JudgedProperty {
-    /// `bias`, `variance` or `covariance`.
+    /// `bias`, `variance` or `covariance`; of light `energy` or `caustic`.
     pub property: &'static str,
     pub verdict: Verdict,
     /// log10 of the test's capital.

@@ -78,7 +78,7 @@ fn lowest(shape: &Shape, point: &MeasurementPoint) -> f64 {
 /// - by cosine: the largest exitance
 /// - by both: the lesser of the peak by area and M for each source, and the largest exitance
 pub(super) fn peak(configuration: &Configuration, point: &MeasurementPoint, technique: Technique) -> f64 {
-    let exitance = |source: &Source| source.exitance().watts_per_square_metre();
+    let exitance = |source: &Source| source.largest_exitance().watts_per_square_metre();
     let sources = configuration.sources().iter();
     let largest = sources.clone().map(exitance).fold(0.0, f64::max);
     match technique {
@@ -108,7 +108,7 @@ fn peak_by_area(source: &Source, point: &MeasurementPoint) -> f64 {
         Shape::Polygon(s) => flat_ceiling(height(s.normal(), s.vertices()[0]), to_box),
         Shape::Mesh(_) => f64::INFINITY,
     };
-    source.shape().area() * source.exitance().watts_per_square_metre() * kernel
+    source.shape().area() * source.largest_exitance().watts_per_square_metre() * kernel
 }
 
 fn flat_ceiling(height: f64, to_box: f64) -> f64 {

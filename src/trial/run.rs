@@ -9,6 +9,7 @@ use thiserror::Error;
 use super::accept::accept;
 use super::correlation::correlations;
 use super::judge;
+use super::light::light;
 use super::measure::{CellSums, Prepared, measure};
 use super::outcome::{CaseOutcome, Cell, Measured, RunOutcome, StrategyOutcome, Timing};
 use super::plan::{CellPlan, pilot_replicates};
@@ -16,7 +17,7 @@ use super::predict::CellPrediction;
 use super::rare::is_rare;
 use super::rates::rates;
 use super::ready::Ready;
-use super::settings::Settings;
+use super::settings::{Effort, Settings};
 use super::spread;
 use crate::case::{Case, Study};
 use crate::configuration::{Configuration, MeasurementPoint};
@@ -89,7 +90,31 @@ fn run_case(
     progress: &(dyn Fn(Progress) + Sync),
 ) -> Result<CaseOutcome, TrialError> {
     let study = settings.study(&case.study);
-    from_ready(&Ready::new(case, &study, make), &study, settings, None, progress)
+    let mut outcome = if case.measures_direct_light() {
+        from_ready(&Ready::new(case, &study, make), &study, settings, None, progress)?
+    } else {
+        unmeasured(case)
+    };
+    let reproduce = settings.command(&[&case.selector], None);
+    let quick = settings.effort == Effort::Quick;
+    outcome.light = light(case, settings.seed, quick, study.smallest_bias, &reproduce);
+    Ok(outcome)
+}
+
+/// A case in which no light comes straight from a surface to a point: lamps alone, or nothing to measure.
+fn unmeasured(case: &Case) -> CaseOutcome {
+    CaseOutcome {
+        name: case.name.clone(),
+        title: case.title.clone(),
+        digest: case.configuration.digest(),
+        arrangement: case.configuration.arrangement(),
+        albedos: case.configuration.albedos(),
+        points: Vec::new(),
+        truths: Vec::new(),
+        strategies: Vec::new(),
+        light: None,
+        timings: Vec::new(),
+    }
 }
 
 /// Measures and judges a case that was made ready for this study.
@@ -122,10 +147,11 @@ pub(super) fn from_ready(
         title: case.title.clone(),
         digest: case.configuration.digest(),
         arrangement: case.configuration.arrangement(),
-        albedo: case.configuration.albedo(),
+        albedos: case.configuration.albedos(),
         points: case.configuration.points().to_vec(),
         truths: ready.truths.clone(),
         strategies,
+        light: None,
         timings,
     })
 }

@@ -225,7 +225,7 @@ fn list_names_every_case_and_strategy() {
     assert_eq!(names, shipped().map(|case| case.name()).collect::<Vec<_>>());
     assert_eq!(json["strategies"], serde_json::json!(Strategy::ALL.map(Strategy::name)));
     for case in json["cases"].as_array().unwrap() {
-        assert!(case["points"].as_u64().unwrap() > 0 && !case["title"].as_str().unwrap().is_empty(), "{case}");
+        assert!(case["points"].is_u64() && !case["title"].as_str().unwrap().is_empty(), "{case}");
     }
 }
 
@@ -292,7 +292,7 @@ fn exact_values_are_finite_and_bounded_for_every_case() {
     }
     for case in shipped() {
         let expected = case.read().unwrap().configuration.points().len();
-        assert_eq!(points.remove(case.name()), Some(expected), "{}", case.name());
+        assert_eq!(points.remove(case.name()).unwrap_or(0), expected, "{}", case.name());
     }
     assert!(points.is_empty(), "{points:?}");
 }

@@ -2,6 +2,7 @@
 
 mod calibration;
 mod case_files;
+mod caustics;
 mod certified;
 mod closed_forms;
 #[cfg(feature = "cli")]
@@ -14,6 +15,7 @@ mod first_met;
 mod gauss;
 mod icosphere;
 mod laws;
+mod light;
 mod meshes;
 mod optics;
 mod papers;

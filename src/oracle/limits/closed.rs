@@ -53,7 +53,7 @@ fn rounding(line: f64, source: DVec3, occluder: DVec3, between: f64, reach: f64,
 /// All limits, in order; `None` where no closed form applies.
 pub(super) fn limits(configuration: &Configuration, path: &Path) -> Option<Vec<Limit>> {
     let PathShape::Segment { direction } = path.shape else { return None };
-    let ([source], [occluder]) = (configuration.sources(), configuration.occluders()) else { return None };
+    let ([source], [occluder]) = (configuration.sources(), configuration.blockers()) else { return None };
     let line = Line { origin: path.from.position(), direction, length: path.length, normal: path.from.normal() };
     match (source.shape(), occluder) {
         (Shape::Disk(source), Shape::Disk(occluder)) => {

@@ -15,7 +15,7 @@ const MISPLACED: f64 = 256.0 * f64::EPSILON;
 
 /// All limits along a path, in order.
 pub(super) fn limits(configuration: &Configuration, path: &Path) -> Vec<Limit> {
-    let shapes = configuration.sources().iter().map(Source::shape).chain(configuration.occluders());
+    let shapes = configuration.sources().iter().map(Source::shape).chain(configuration.blockers());
     let size = shapes
         .flat_map(|shape| <[_; 2]>::from(shape.bounds()))
         .chain([0.0, path.length()].map(|end| path.at(end).position()))

@@ -91,6 +91,9 @@ macro_rules! with_fan {
     };
 }
 
+#[cfg(test)]
+pub(super) use with_fan;
+
 /// Nearer to a caustic than this, in units of the layout's size, a place is on it: 2⁻⁴³.
 pub(super) const ON_CAUSTIC: f64 = 1.0 / (1u64 << 43) as f64;
 /// Relative error of a landing radius over [`Wide`].
@@ -106,7 +109,7 @@ impl Caustic {
     /// one point. Light comes back to the plane only from the part of the mirror below it.
     ///
     /// - `focal_length` f, `plane` z_p: metres, > 0; `beam_radius`: metres, in (0, 2f); all finite
-    /// - source: MATH of the parabola's focus, r = 2fs; table `caustic_paraboloid`
+    /// - source: all rays pass the focus; table `caustic_paraboloid`
     pub fn paraboloid(focal_length: f64, plane: f64, beam_radius: f64) -> Result<Caustic, OpticsError> {
         let focal_length = length("the focal length", focal_length)?;
         let plane = length("the plane's height", plane)?;
@@ -199,6 +202,13 @@ impl Caustic {
     pub fn rings(&self) -> Vec<f64> {
         let folds = self.knots.iter().filter(|knot| knot.is_fold);
         let mut radii: Vec<f64> = folds.map(|knot| knot.landing.narrow().abs()).collect();
+        radii.sort_by(f64::total_cmp);
+        radii
+    }
+
+    /// Radii where the irradiance jumps or has no bound, metres: ring caustics, and the images of the axis and of the last ray.
+    pub fn edges(&self) -> Vec<f64> {
+        let mut radii: Vec<f64> = self.knots.iter().map(|knot| knot.landing.narrow().abs()).collect();
         radii.sort_by(f64::total_cmp);
         radii
     }

@@ -34,8 +34,8 @@ pub(super) struct Knot {
     pub is_fold: bool,
 }
 
-/// Where the second derivative is first looked at for changes of its sign. Between two places it may change once (an odd
-/// number of times) unnoticed: the maps here have at most two inflections.
+/// Places at which the second derivative is first looked at for changes of its sign. Limit: two changes between neighbouring
+/// places would go unnoticed, and with them a pair of folds that close together.
 const LOOKS: u32 = 256;
 
 type First<T> = Dual<1, T>;

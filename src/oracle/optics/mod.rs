@@ -24,13 +24,17 @@
 
 mod ball;
 mod caustic;
+mod cup;
 mod cylinder;
+mod deposit;
 mod disks;
 mod exchange;
 pub mod faces;
 mod fan;
 mod lampshade;
+mod layout;
 mod lens;
+mod meridian;
 mod mirror;
 mod nodes;
 mod paraboloid;
@@ -48,11 +52,14 @@ use crate::geometry::ShapeError;
 use crate::radiometry::RadiometryError;
 
 pub use caustic::{Arrival, Caustic};
+pub use cup::CupLayout;
 pub use cylinder::CylinderMirror;
+pub use deposit::deposited_power;
 pub use disks::CoaxialDisks;
 pub use exchange::Which;
 pub use faces::{Loss, Polarised};
 pub use lampshade::Lampshade;
+pub use layout::{CausticLayout, power_by_flat_mirror};
 pub use mirror::{MirrorOracle, MirrorTruth, PlaneMirror};
 pub use rectangles::FacingRectangles;
 

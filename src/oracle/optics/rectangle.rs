@@ -10,7 +10,9 @@ use crate::number::Wide;
 use crate::oracle::quadrature::rule::{self, Demand, Ends};
 
 /// Relative to what lands on the circles that the rectangle meets.
-const DEMANDED: f64 = 1e-14;
+const DEMANDED: f64 = 2e-14;
+/// Rounding of an arc's angle, over a whole turn: no panel is asked for more.
+const NOISE: f64 = 4e-15;
 const MOST_PANELS: usize = 600;
 
 /// ∫ α(|f|) g T dt over all rays; between the rays whose circles touch a side or meet a corner, and the map's folds, the
@@ -49,7 +51,7 @@ pub(super) fn power<F: Fan>(fan: &F, knots: &[Knot], is_point: bool, sides: [[f6
         };
         let demand = |sum: &[f64; 2]| Demand {
             goal: [DEMANDED * sum[1].abs(), f64::INFINITY],
-            floor: |value| [1e-16 * value[1].abs(), f64::INFINITY],
+            floor: |value| [NOISE * value[1].abs(), f64::INFINITY],
         };
         let found = rule::integrate(pair, Ends::Roots, 1e-15 * last, MOST_PANELS, integrand, demand);
         sum.value += found.value[0];

@@ -5,6 +5,8 @@ use std::f64::consts::PI;
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use proptest::prelude::*;
 
+use super::caustic::{Optic, with_fan};
+use super::fan::{self, Fan};
 use super::*;
 use crate::oracle::quadrature::rule::{self, Demand, Ends};
 
@@ -227,6 +229,36 @@ fn what_is_singular_says_so() {
             assert!(value(&caustic, 0.0) > 0.0, "{name}");
         }
     }
+}
+
+/// The folds are those that a scan of 20,000 rays finds, whatever the layout.
+#[test]
+fn no_fold_goes_unseen() {
+    let mut all: Vec<Caustic> = layouts().into_iter().map(|(_, caustic)| caustic).collect();
+    for i in 0..40 {
+        let x = 0.025 * f64::from(i);
+        all.push(Caustic::spherical_mirror(1.0, 0.05 + 1.2 * x, 0.7).unwrap());
+        all.push(Caustic::glass_ball(1.0, 1.05 + 2.0 * x, 1.0 + 2.0 * x * x, 1.0, Loss::None).unwrap());
+        all.push(Caustic::glass_ball(1.0, 1.5, 1.0 + 2.0 * x, 1.0, Loss::None).unwrap());
+        all.push(Caustic::plano_convex(1.0, 1.2 + x, 0.1 + 4.0 * x, 1.0, Loss::None).unwrap());
+    }
+    let mut most = 0;
+    for caustic in all {
+        let slope = |u: f64| with_fan!(&caustic.optic, fan => fan::jet(|u| fan.landing(u), u).1);
+        let last = caustic.knots[caustic.knots.len() - 1].u.narrow() * (1.0 - 1e-12);
+        let n = 20_000;
+        let slopes: Vec<f64> = (1..=n).map(|i| slope(last * f64::from(i) / f64::from(n))).collect();
+        let scanned = slopes.windows(2).filter(|pair| pair[0] * pair[1] < 0.0).count();
+        let (found, first) = (caustic.rings().len(), caustic.rings().first().copied());
+        // A fold so near to the axis that the scan's first ray lies beyond it is found all the same.
+        let is_small = first.is_some_and(|ring| ring < 1e-9);
+        assert!(
+            found == scanned || (is_small && found == scanned + 1),
+            "{found} folds, {scanned} scanned: {caustic:?}"
+        );
+        most = most.max(found);
+    }
+    assert!(most >= 1);
 }
 
 /// A ring caustic is the end of light on one side: E ~ |ρ − ρ_c|^{−1/2} on the other.

@@ -9,6 +9,7 @@ use glam::DVec3;
 
 use super::blocker::Form;
 use super::curves::{Circle, Curve};
+use super::grain::{SeenGrain, Trace};
 use super::rule::around_a_peak;
 use super::view::{Outline, Stretch, View};
 
@@ -18,6 +19,8 @@ enum Owner {
     Source,
     Horizon,
     Blocker(usize),
+    /// A line of one s (0) or one t (1) on the source: those of one kind meet in poles only.
+    Line(usize),
 }
 
 struct Bound {
@@ -29,10 +32,13 @@ struct Bound {
 }
 
 /// Ascending, from the source's first strip to its last.
-pub(super) fn breaks(view: &View) -> Vec<f64> {
+pub(super) fn breaks(view: &View, grain: Option<&SeenGrain>) -> Vec<f64> {
     let (low, high) = view.extent();
     let mut found = Found { view, ends: Vec::new(), scratch: Vec::new(), low, high };
-    let bounds = found.bounds();
+    let mut bounds = found.bounds();
+    if let Some(grain) = grain {
+        found.grain(grain, &mut bounds);
+    }
     for (i, first) in bounds.iter().enumerate() {
         for second in &bounds[i + 1..] {
             found.crossings(first, second);
@@ -178,6 +184,33 @@ impl Found<'_> {
         bounds
     }
 
+    /// Lines on the source.
+    fn grain(&mut self, grain: &SeenGrain, bounds: &mut Vec<Bound>) {
+        for pole in &grain.poles {
+            self.note(*pole, &[Owner::Line(0), Owner::Line(1)]);
+        }
+        for (kind, trace) in &grain.traces {
+            let owner = Owner::Line(*kind);
+            match trace {
+                Trace::Segment([p, q]) => {
+                    for end in [p, q] {
+                        self.note(*end, &[owner, Owner::Source]);
+                    }
+                    bounds.extend(Curve::edge(*p, *q).map(|curve| self.bound(owner, curve)));
+                }
+                Trace::Circle(circle) => {
+                    if circle.center.dot(circle.normal).abs() <= 1e-12 * circle.center.length() {
+                        // Seen edge-on it is a straight line.
+                        bounds.push(self.bound(owner, Curve::Line { normal: circle.normal, ends: None }));
+                    } else {
+                        self.rim(owner, *circle, bounds);
+                    }
+                }
+            }
+        }
+        bounds.retain(|b| b.low[0] <= self.high && b.high[0] >= self.low);
+    }
+
     fn rim(&mut self, owner: Owner, circle: Circle, bounds: &mut Vec<Bound>) {
         if circle.center.dot(circle.normal).abs() <= 1e-14 * circle.center.length() {
             // Seen edge-on it hides nothing.
@@ -249,7 +282,8 @@ impl Found<'_> {
 
     fn crossings(&mut self, first: &Bound, second: &Bound) {
         let apart = (0..2).any(|k| first.high[k] < second.low[k] || second.high[k] < first.low[k]);
-        if apart || (first.owner == second.owner && first.owner == Owner::Source) {
+        let is_own = matches!(first.owner, Owner::Source | Owner::Line(_));
+        if apart || (first.owner == second.owner && is_own) {
             return;
         }
         let mut directions = Vec::new();

@@ -13,12 +13,13 @@
 //! by. Openings narrower than that rounding are closed, and count in the error.
 //!
 //! - [`view`]: how the source looks from the eye · [`blocker`]: what an occluder hides of a strip
-//! - [`curves`], [`breaks`]: where strips change · [`strip`]: along one strip · [`rule`]: the rules
+//! - [`curves`], [`breaks`]: where strips change · [`grain`]: lines on the source where its exitance does · [`strip`]: along one strip · [`rule`]: the rules
 //! - [`witness`]: the public questions
 
 mod blocker;
 mod breaks;
 mod curves;
+mod grain;
 pub(super) mod rule;
 mod strip;
 mod view;
@@ -29,6 +30,8 @@ use std::cell::Cell;
 use glam::DVec3;
 
 use super::body::Body;
+use super::textured::PRECISE;
+pub(super) use grain::{Grain, Line};
 use rule::{Demand, Ends};
 use strip::{Emission, Held, PATIENCE, Walk};
 use view::View;
@@ -62,7 +65,7 @@ pub(super) struct WeightedStrips {
 /// - `occluders`: every body that may hide part of the source
 /// - returns zero for a source that turns its dark side or is seen from inside
 pub(super) fn visible(n: DVec3, source: &Body, occluders: &[&Body], eye: DVec3) -> Strips {
-    walk(n, source, occluders, eye, None).factor
+    walk(n, source, occluders, eye, None, None, PRECISE).factor
 }
 
 /// - `emission`: exitance at a place on the source, given relative to `source.center`; where it is not a finite number,
@@ -74,6 +77,33 @@ pub(super) fn visible_weighted(
     eye: DVec3,
     emission: Emission,
 ) -> WeightedStrips {
+    weighted(n, source, occluders, eye, emission, None, PRECISE)
+}
+
+/// The same, the emission being smooth, or constant, between known lines.
+///
+/// - `precision`: errors that will do, relative
+pub(super) fn visible_between(
+    n: DVec3,
+    source: &Body,
+    occluders: &[&Body],
+    eye: DVec3,
+    emission: Emission,
+    grain: &Grain,
+    precision: f64,
+) -> WeightedStrips {
+    weighted(n, source, occluders, eye, emission, Some(grain), precision)
+}
+
+fn weighted(
+    n: DVec3,
+    source: &Body,
+    occluders: &[&Body],
+    eye: DVec3,
+    emission: Emission,
+    grain: Option<&Grain>,
+    precision: f64,
+) -> WeightedStrips {
     let is_finite = Cell::new(true);
     let finite = |place: DVec3| {
         let value = emission(place);
@@ -84,17 +114,26 @@ pub(super) fn visible_weighted(
             0.0
         }
     };
-    let found = walk(n, source, occluders, eye, Some(&finite));
+    let found = walk(n, source, occluders, eye, Some(&finite), grain, precision);
     WeightedStrips { error: if is_finite.get() { found.error } else { f64::INFINITY }, ..found }
 }
 
-fn walk(n: DVec3, source: &Body, occluders: &[&Body], eye: DVec3, emission: Option<Emission>) -> WeightedStrips {
+fn walk(
+    n: DVec3,
+    source: &Body,
+    occluders: &[&Body],
+    eye: DVec3,
+    emission: Option<Emission>,
+    grain: Option<&Grain>,
+    precision: f64,
+) -> WeightedStrips {
     /// Panels after which those that remain are taken as they are.
     const BUDGET: usize = 6000;
     let Some(view) = View::new(n, source, occluders, eye) else { return WeightedStrips::default() };
-    let ends = breaks::breaks(&view);
+    let grain = grain.map(|grain| grain.seen(&view));
+    let ends = breaks::breaks(&view, grain.as_ref());
     let (low, high) = view.extent();
-    let mut walk = Walk::new(&view, emission);
+    let mut walk = Walk::new(&view, emission, grain.as_ref());
     let asked = Cell::new(0);
     let found = rule::integrate(
         &ends,
@@ -106,7 +145,7 @@ fn walk(n: DVec3, source: &Body, occluders: &[&Body], eye: DVec3, emission: Opti
             asked.set(walk.asked.get());
             held.to_array()
         },
-        |sum| Demand { goal: goals(sum, asked.get() < PATIENCE), floor },
+        |sum| Demand { goal: goals(sum, asked.get() < PATIENCE, precision), floor },
     );
     let (sum, error) = (Held::from_array(found.value), Held::from_array(found.error));
     // A form factor feels its height by no more than its fourth power.
@@ -134,12 +173,12 @@ fn walk(n: DVec3, source: &Body, occluders: &[&Body], eye: DVec3, emission: Opti
 }
 
 /// Errors that will do: in deep shadow, relative to what is seen there.
-fn goals(sum: &[f64; strip::N], patient: bool) -> [f64; strip::N] {
+fn goals(sum: &[f64; strip::N], patient: bool, precision: f64) -> [f64; strip::N] {
     let sum = Held::from_array(*sum);
-    let emission = if patient { 1e-12 * sum.emission_size } else { f64::INFINITY };
+    let emission = if patient { precision * sum.emission_size } else { f64::INFINITY };
     Held {
-        visible: 1e-12 * sum.visible + 1e-17 * sum.whole,
-        whole: 1e-12 * sum.whole,
+        visible: precision * sum.visible + 1e-17 * sum.whole,
+        whole: precision * sum.whole,
         doubt: f64::INFINITY,
         visible_emission: emission,
         whole_emission: emission,

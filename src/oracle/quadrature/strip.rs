@@ -12,6 +12,7 @@ use std::cell::Cell;
 
 use glam::DVec3;
 
+use super::grain::SeenGrain;
 use super::rule::{self, Demand, Ends, PER_PI, around_a_peak};
 use super::view::{Cosine, Stretch, Strip, View};
 use crate::number::gauss_10;
@@ -61,6 +62,7 @@ pub(super) struct Sight {
 pub(super) struct Walk<'a> {
     view: &'a View<'a>,
     emission: Option<Emission<'a>>,
+    grain: Option<&'a SeenGrain>,
     pub sight: Sight,
     /// Times the emission was asked for.
     pub asked: Cell<usize>,
@@ -72,8 +74,16 @@ pub(super) struct Walk<'a> {
 pub(super) const PATIENCE: usize = 20_000_000;
 
 impl<'a> Walk<'a> {
-    pub fn new(view: &'a View<'a>, emission: Option<Emission<'a>>) -> Walk<'a> {
-        Walk { view, emission, sight: Sight::default(), asked: Cell::new(0), inside: Vec::new(), covered: Vec::new() }
+    pub fn new(view: &'a View<'a>, emission: Option<Emission<'a>>, grain: Option<&'a SeenGrain>) -> Walk<'a> {
+        Walk {
+            view,
+            emission,
+            grain,
+            sight: Sight::default(),
+            asked: Cell::new(0),
+            inside: Vec::new(),
+            covered: Vec::new(),
+        }
     }
 
     pub fn along(&mut self, sigma: f64) -> Held {
@@ -184,13 +194,30 @@ impl<'a> Walk<'a> {
         const PARTS: i32 = 4;
         const BUDGET: usize = 800;
         let view = self.view;
-        let mut ends: Vec<f64> = (1..PARTS).map(|i| from + (to - from) * (f64::from(i) / f64::from(PARTS))).collect();
-        around_a_peak(-view.anchor[1], line.strip.y, from, to, &mut ends);
         let emitted = |tau: f64| {
             self.asked.set(self.asked.get() + 1);
             emission(view.on_source(line.strip, tau) * view.unit)
         };
-        jumps(from, to, emitted, &mut ends);
+        if let Some(grain) = self.grain.filter(|grain| grain.is_constant_between) {
+            let mut ends = vec![from, to];
+            grain.cross(view, line.strip, from, to, &mut ends);
+            ends.sort_by(f64::total_cmp);
+            let parts = ends.windows(2).filter(|pair| pair[1] > pair[0]);
+            // What is constant comes out of the integral.
+            let (mut value, mut size) = (0.0, 0.0);
+            for pair in parts {
+                let part = emitted(0.5 * (pair[0] + pair[1])) * line.integral(pair[0], pair[1]);
+                value += part;
+                size += part.abs();
+            }
+            return (value, size, 0.0);
+        }
+        let mut ends: Vec<f64> = (1..PARTS).map(|i| from + (to - from) * (f64::from(i) / f64::from(PARTS))).collect();
+        around_a_peak(-view.anchor[1], line.strip.y, from, to, &mut ends);
+        match self.grain {
+            Some(grain) => grain.cross(view, line.strip, from, to, &mut ends),
+            None => jumps(from, to, emitted, &mut ends),
+        }
         ends.extend([from, to]);
         ends.sort_by(f64::total_cmp);
         ends.dedup();

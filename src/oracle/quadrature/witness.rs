@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::super::body::Body;
 use super::super::exact::Oracle;
+use super::super::textured::PRECISE;
 use super::super::truth::{Method, Region, Sight, Truth};
 use super::{Strips, WeightedStrips, visible, visible_weighted};
 use crate::configuration::MeasurementPoint;
@@ -38,6 +39,9 @@ impl Oracle {
     /// ```
     pub fn by_quadrature(&self, point: &MeasurementPoint) -> Truth {
         self.witnessed(point, |i, n, body, others, eye| {
+            if let Some(texture) = &self.sources[i].texture {
+                return self.by_strips_between_seams(texture, n, body, others, eye, PRECISE);
+            }
             let strips = visible(n, body, others, eye);
             let exitance = self.sources[i].exitance;
             WeightedStrips {

@@ -56,6 +56,9 @@ const SMOOTH_LEVEL: u32 = 4;
 /// How much more often cells on a crease are cut.
 const CREASE_BELOW: u32 = 3;
 
+/// Halvings that find where an exitance jumps within a cell.
+const JUMP_HALVINGS: u32 = 12;
+
 /// Gauss–Legendre on [0, 1] with three and with four points: (node, weight).
 const GAUSS_3: [(f64, f64); 3] =
     [(0.112_701_665_379_258_3, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298_334_620_741_7, 5.0 / 18.0)];
@@ -101,7 +104,9 @@ impl<F: Fn(&Landing) -> Contribution> Cells<'_, F> {
         let (middle, margin) = self.field.seen(u, v);
         let places = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(|(s, t)| {
             let (u, v) = cell.at(s, t);
-            self.field.at(u, v)
+            let place = self.field.place(u, v);
+            // Whether it is lit is no matter of how brightly.
+            self.field.of(&place, 1.0)
         });
         let corners = places.map(|(direction, _)| direction);
         let reach = BULGE * corners.iter().map(|corner| corner.distance(middle)).fold(0.0, f64::max);
@@ -116,8 +121,12 @@ impl<F: Fn(&Landing) -> Contribution> Cells<'_, F> {
             let lit = places.iter().filter(|place| sets(place)).count();
             // Where light sets, on the receiver's horizon or a sphere's own, the integrand has a corner too.
             let is_creased = (lit != 0 && lit != 4) || self.field.is_creased(cell.u, cell.v);
+            let is_uneven = self.field.is_uneven(cell.u, cell.v, level);
+            if is_uneven && level >= self.edge_level.max(self.finest + EDGE_BELOW) && (reach <= WIDEST || is_torn) {
+                return self.parted(cell);
+            }
             let smooth = SMOOTH_LEVEL.max(self.finest) + if is_creased { CREASE_BELOW } else { 0 };
-            if level >= smooth && (reach <= WIDEST || is_torn) {
+            if level >= smooth && !is_uneven && (reach <= WIDEST || is_torn) {
                 return if reach <= NARROW { self.ruled(cell, &GAUSS_3) } else { self.ruled(cell, &GAUSS_4) };
             }
         } else if level >= self.edge_level.max(self.finest + EDGE_BELOW) && (reach <= WIDEST || is_torn) {
@@ -130,6 +139,50 @@ impl<F: Fn(&Landing) -> Contribution> Cells<'_, F> {
         }
         let quarters = cell.quarters().map(|quarter| self.part(quarter, level + 1, reach, visit));
         quarters.into_iter().fold(SampleMoments::default(), SampleMoments::plus)
+    }
+
+    /// A small cell in which the exitance jumps, along one line as far as the cell tells: on each of a few lines across that,
+    /// what is on either side of the jump by its length.
+    fn parted(&self, cell: Cell) -> SampleMoments {
+        let exitance = |s: f64, t: f64| {
+            let (u, v) = cell.at(s, t);
+            self.field.exitance_at(&self.field.place(u, v))
+        };
+        // Borders of texels and of cells often coincide: a hair inside.
+        let (low, high) = (1e-9, 1.0 - 1e-9);
+        let differs = |a: (f64, f64), b: (f64, f64)| usize::from(exitance(a.0, a.1) != exitance(b.0, b.1));
+        let across_u = differs((low, low), (high, low)) + differs((low, high), (high, high));
+        let across_v = differs((low, low), (low, high)) + differs((high, low), (high, high));
+        let place = |along: f64, line: f64| if across_u >= across_v { (along, line) } else { (line, along) };
+        let value = |along: f64, line: f64| {
+            let (s, t) = place(along, line);
+            exitance(s, t)
+        };
+        let mut values: SmallVec<[(f64, f64); 6]> = SmallVec::new();
+        for (line, weight) in GAUSS_3 {
+            let (mut before, mut after) = (low, high);
+            let first = value(before, line);
+            let jumps = first != value(after, line);
+            for _ in 0..if jumps { JUMP_HALVINGS } else { 0 } {
+                let middle = 0.5 * (before + after);
+                if value(middle, line) == first {
+                    before = middle;
+                } else {
+                    after = middle;
+                }
+            }
+            let jump = if jumps { 0.5 * (before + after) } else { 1.0 };
+            for [from, to] in [[0.0, jump], [jump, 1.0]] {
+                if to > from {
+                    let (s, t) = place(0.5 * (from + to), line);
+                    let (u, v) = cell.at(s, t);
+                    let (_, landing) = self.field.at(u, v);
+                    let Contribution { value, density } = (self.contribution)(&landing);
+                    values.push((value, density * cell.area() * weight * (to - from)));
+                }
+            }
+        }
+        SampleMoments::of(&values)
     }
 
     /// A product rule over a cell without an edge.

@@ -7,7 +7,9 @@ use super::super::form::Form;
 use super::super::front::{Blocking, Front};
 use super::super::piece::Piece;
 use super::chart::{Chart, Place};
+use super::grid::TexelCheck;
 use crate::configuration::MeasurementPoint;
+use crate::texture::Texture;
 
 /// A place on a source as a receiver sees it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,6 +61,15 @@ impl Contribution {
         Contribution { value: by_area.value * (1.0 - share_of_cosine(landing, power)), ..by_area }
     }
 
+    /// A direction drawn by the cosine that meets the source brings M, with density A cosθᵢ cosθₛ/(π r²).
+    pub fn by_cosine(landing: &Landing) -> Contribution {
+        let Landing { cos_receiver, cos_source, distance_squared, area, exitance } = *landing;
+        Contribution {
+            value: exitance,
+            density: area * cos_receiver * cos_source / (std::f64::consts::PI * distance_squared),
+        }
+    }
+
     /// The other half: a direction drawn by the cosine that meets the source brings M p_cᵝ/(p_aᵝ + p_cᵝ).
     pub fn by_cosine_weighed(landing: &Landing, power: i32) -> Contribution {
         let Landing { cos_receiver, cos_source, distance_squared, area, exitance } = *landing;
@@ -83,6 +94,8 @@ pub(super) struct Field<'a> {
     normal: DVec3,
     area: f64,
     exitance: f64,
+    texture: Option<&'a Texture>,
+    check: Option<TexelCheck<'a>>,
     /// What can hide some of it; `None` where nothing of it is seen.
     blockers: Option<Vec<Piece>>,
 }
@@ -98,6 +111,8 @@ impl<'a> Field<'a> {
             normal: point.normal(),
             area: emitter.area,
             exitance: emitter.exitance,
+            texture: emitter.texture.as_deref(),
+            check: emitter.texture.as_deref().and_then(TexelCheck::of),
             blockers,
         };
         let eye = point.position() * oracle.scale;
@@ -128,9 +143,23 @@ impl<'a> Field<'a> {
         self.chart.is_creased(u, v)
     }
 
-    /// The unit direction to a place, and the place.
+    /// Whether the exitance may jump within [u₀, u₁] × [v₀, v₁], or bend on a scale that is not small beside it.
+    ///
+    /// - `level`: halvings of the unit square that led to it
+    pub fn is_uneven(&self, [u0, u1]: [f64; 2], [v0, v1]: [f64; 2], level: u32) -> bool {
+        let Some(check) = &self.check else { return false };
+        // Borders of texels and of cells often coincide: a hair inside.
+        const INSIDE: f64 = 1e-9;
+        let inside = |x: [f64; 2]| [x[0] + INSIDE * (x[1] - x[0]), x[1] - INSIDE * (x[1] - x[0])];
+        let ([u0, u1], [v0, v1]) = (inside([u0, u1]), inside([v0, v1]));
+        let places = [[u0, v0], [u1, v0], [u1, v1], [u0, v1], [0.5 * (u0 + u1), 0.5 * (v0 + v1)]];
+        check.is_uneven(level, places.map(|[u, v]| self.chart.place(u, v).position))
+    }
+
+    /// The unit direction to a place, and the place, with its exitance.
     pub fn at(&self, u: f64, v: f64) -> (DVec3, Landing) {
-        self.of(&self.place(u, v))
+        let place = self.place(u, v);
+        self.of(&place, self.exitance_at(&place))
     }
 
     /// The place that is drawn, the same for all receivers.
@@ -138,8 +167,13 @@ impl<'a> Field<'a> {
         self.chart.place(u, v)
     }
 
+    /// W/m² at a place.
+    pub fn exitance_at(&self, place: &Place) -> f64 {
+        self.texture.map_or(self.exitance, |texture| texture.at(place.position))
+    }
+
     /// The unit direction to a place, and the place as it is seen.
-    pub fn of(&self, place: &Place) -> (DVec3, Landing) {
+    pub fn of(&self, place: &Place, exitance: f64) -> (DVec3, Landing) {
         let way = place.position - self.eye;
         let distance_squared = way.length_squared();
         let direction = way / distance_squared.sqrt();
@@ -148,7 +182,7 @@ impl<'a> Field<'a> {
             cos_source: (-place.normal.dot(direction)).max(0.0),
             distance_squared,
             area: self.area,
-            exitance: self.exitance,
+            exitance,
         };
         (direction, landing)
     }
@@ -162,7 +196,7 @@ impl<'a> Field<'a> {
 
     /// The direction to a place and its margin.
     pub fn seen(&self, u: f64, v: f64) -> (DVec3, f64) {
-        let (direction, _) = self.at(u, v);
+        let (direction, _) = self.of(&self.place(u, v), self.exitance);
         (direction, self.margin(direction))
     }
 }

@@ -13,6 +13,7 @@
 mod cells;
 mod chart;
 mod field;
+mod grid;
 mod moments;
 mod shared;
 #[cfg(test)]
@@ -26,7 +27,8 @@ pub use shared::Shared;
 use cells::{Cell, Cells};
 use field::Field;
 
-use super::exact::Oracle;
+use super::exact::{BodyAt, Oracle};
+use super::textured::ROUGH;
 use crate::configuration::MeasurementPoint;
 
 /// Relative error, at most, of predicted variances.
@@ -102,17 +104,23 @@ impl Oracle {
     }
 
     /// Moments of what a direction brings that is drawn by the cosine and must find the sources by itself: M of the source
-    /// that it meets, with the source's form factor as its probability.
+    /// that it meets (where it meets it), with the source's form factor as its probability.
     pub fn cosine_moments(&self, point: &MeasurementPoint) -> Option<SampleMoments> {
-        let seen = self.seen(point);
-        let parts = seen.iter().zip(&self.sources);
-        let found = parts.map(|(seen, source)| SampleMoments::point(source.exitance, seen.visible.value));
-        Some(found.fold(SampleMoments::SHADOW, SampleMoments::plus))
+        let of_source = |index: usize| {
+            let source = &self.sources[index];
+            if source.texture.is_some() {
+                return self.sample_moments(index, point, Contribution::by_cosine);
+            }
+            let factor = self.of_body(BodyAt::Source(index), point).visible.value;
+            Some(SampleMoments::point(source.exitance, factor))
+        };
+        let parts: Option<Vec<SampleMoments>> = (0..self.sources.len()).map(of_source).collect();
+        Some(SampleMoments::either(&parts?))
     }
 
     /// The irradiance of one source at a point, W/m².
     fn due(&self, source: usize, point: &MeasurementPoint) -> f64 {
-        self.seen(point)[source].visible.value * self.sources[source].exitance
+        self.light(source, point, ROUGH).value
     }
 
     /// Moments of what one sample by area on a source brings to a point.

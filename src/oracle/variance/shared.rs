@@ -117,12 +117,13 @@ fn tally(
         let u = (i as f64 + 0.5) / PLACES as f64;
         let v = ((i * STEP % PLACES) as f64 + 0.5) / PLACES as f64;
         let place = fields[0].place(u, v);
+        let exitance = fields[0].exitance_at(&place);
         for (((value, field), due), [sum, squares]) in values.iter_mut().zip(fields).zip(due).zip(&mut tally.points) {
             *value = -due;
             if field.is_dark() {
                 continue;
             }
-            let (direction, landing) = field.of(&place);
+            let (direction, landing) = field.of(&place, exitance);
             let brought = Contribution::by_area(&landing).value;
             if brought > 0.0 && field.margin(direction) > 0.0 {
                 *value += brought;

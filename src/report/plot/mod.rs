@@ -1,16 +1,20 @@
-//! Plots of a report, as SVG and PNG: variance curves, bias, profiles and maps, correlation.
+//! Plots of a report, as SVG and PNG: variance curves, bias, profiles and maps, correlation; caustics and
+//! ledgers.
 //!
 //! A plot is first a [`Page`](ink::Page) of marks in points; plotters draws the same page as SVG and as pixels.
 
 mod axis;
 mod bias;
+mod caustic;
 mod correlation;
+mod energy;
 mod ink;
 mod map;
 mod panel;
 mod picture;
 mod profile;
 mod style;
+mod texels;
 mod text;
 mod variance;
 
@@ -38,8 +42,16 @@ pub(super) fn write_all(dir: &Path, outcome: &RunOutcome) -> Result<Vec<PathBuf>
 }
 
 fn write_case(dir: &Path, stem: &str, case: &CaseOutcome) -> Result<Vec<PathBuf>, ReportError> {
-    let draw: [fn(&CaseOutcome) -> Option<ink::Page>; 5] =
-        [variance::variance, bias::bias, profile::profile, map::map, correlation::correlation];
+    let draw: [fn(&CaseOutcome) -> Option<ink::Page>; 8] = [
+        variance::variance,
+        bias::bias,
+        profile::profile,
+        map::map,
+        correlation::correlation,
+        caustic::caustic,
+        energy::energy,
+        texels::texels,
+    ];
     let mut written = Vec::new();
     for (draw, kind) in draw.into_iter().zip(PLOT_KINDS) {
         let Some(page) = draw(case) else { continue };

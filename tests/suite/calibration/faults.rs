@@ -163,6 +163,24 @@ pub const FAULTS: &[Fault] = &[
         Slip::CoarseNumbers,
         BIAS,
     ),
+    // Textures.
+    slip("half-a-texel-off", "a texture read half a texel to the side", "checker", Random, Slip::HalfATexelOff, BIAS),
+    slip(
+        "even-sphere-map",
+        "a sphere's map read as if its rows were of equal area",
+        "globe",
+        Random,
+        Slip::EvenSphereMap,
+        BIAS,
+    ),
+    slip(
+        "mean-exitance",
+        "the mean of the texture everywhere: right power, wrong place",
+        "checker",
+        Random,
+        Slip::MeanExitance,
+        BIAS,
+    ),
     // Shadow rays.
     slip("no-occluder", "occluders never asked", "penumbra", Random, Slip::NoOccluder, BIAS),
     slip(

@@ -5,7 +5,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use etendue::configuration::{Configuration, MeasurementPoint};
+use etendue::configuration::{Configuration, MeasurementPoint, Source};
 use etendue::estimator::{Estimator, Job, Scratch};
 use etendue::geometry::{DVec3, Frame, Shape};
 use etendue::sampling::{PointSet, Stream, StreamKey};
@@ -36,6 +36,10 @@ pub enum Slip {
     PolesCrowded,
     TriangleWithoutRoot,
     CoarseNumbers,
+    // Textures.
+    HalfATexelOff,
+    EvenSphereMap,
+    MeanExitance,
     // Shadow rays.
     NoOccluder,
     StartsLate(f64),
@@ -196,11 +200,11 @@ impl Plain {
     /// A · M · (1/N) Σ cosθᵢ cosθₛ / (π r²) · Vis.
     fn average(&self, point: &MeasurementPoint, source: usize, squares: &[[f64; 2]]) -> f64 {
         let emitter = &self.configuration.sources()[source];
-        let scale = emitter.exitance().watts_per_square_metre() * self.area(emitter.shape());
+        let scale = self.area(emitter.shape());
         let (mut sum, mut arrived) = (0.0, 0_usize);
         for square in squares {
             let (at, normal) = self.place(emitter.shape(), *square);
-            let mut brought = self.kernel(point, emitter.shape(), at, normal);
+            let mut brought = self.exitance(emitter, at) * self.kernel(point, emitter.shape(), at, normal);
             if brought > 0.0 && !self.is_blocked(point, source, at) {
                 if let Slip::ClampedRays(most) = self.slip {
                     brought = brought.min(most);
@@ -215,6 +219,22 @@ impl Plain {
             _ => squares.len(),
         };
         scale * sum / count as f64
+    }
+
+    /// W/m² at a place of a source.
+    fn exitance(&self, source: &Source, at: DVec3) -> f64 {
+        let Some(texels) = source.texture().and_then(|texture| texture.texels()) else {
+            return source.exitance().watts_per_square_metre();
+        };
+        let (grid, [mut s, mut t]) = (texels.raster().grid(), texels.map().to_map(at));
+        match self.slip {
+            Slip::HalfATexelOff => s = (s + 0.5 / grid.ns() as f64).fract(),
+            // As if its rows were of equal area: sin² of half the angle is the share of the area below.
+            Slip::EvenSphereMap => t = (0.5 * PI * t).sin().powi(2),
+            Slip::MeanExitance => return source.exitance().watts_per_square_metre(),
+            _ => {}
+        }
+        texels.raster().value(grid.texel([s, t]))
     }
 
     fn area(&self, shape: &Shape) -> f64 {

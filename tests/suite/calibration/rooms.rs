@@ -83,6 +83,22 @@ const ROOMS: &[(&str, &str)] = &[
         "#,
     ),
     (
+        "checker",
+        r#"
+        source.rectangle = [{ center = [0.2, 0.1, 0.6], edge_u = [1.6, 0.0, 0.0], edge_v = [0.0, -0.8, 0.0], exitance = { checker = [2, 1], white = 2.0, black = 0.5 } }]
+        receiver.rectangle = { center = [0.7, 0.0, 0.0], edge_u = [3.0, 0.0, 0.0], edge_v = [0.0, 2.0, 0.0] }
+        measure.line = { from = [-0.6, 0.0, 0.0], to = [1.3, 0.0, 0.0], points = 5 }
+        "#,
+    ),
+    (
+        "globe",
+        r#"
+        source.sphere = [{ center = [0.0, 0.0, 1.2], radius = 0.5, exitance = { checker = [1, 4], white = 2.0, black = 0.5 } }]
+        receiver.rectangle = { center = [0.7, 0.0, 0.0], edge_u = [2.0, 0.0, 0.0], edge_v = [0.0, 2.0, 0.0] }
+        measure.line = { from = [0.1, 0.0, 0.0], to = [1.3, 0.0, 0.0], points = 5 }
+        "#,
+    ),
+    (
         "triangle",
         r#"
         source.polygon = [{ vertices = [[-0.5, -0.4, 1.0], [0.1, 0.8, 1.0], [0.9, -0.2, 1.0]], exitance = 1.0 }]

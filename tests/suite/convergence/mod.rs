@@ -1,4 +1,4 @@
-//! The convergence studies: for every shipped case, the bias and the rates of the three strategies of the lecture; in
+//! The convergence studies: for every shipped case of direct light, the bias and the rates of the three strategies of the lecture; in
 //! [`strategies`] a few rooms under each of the others.
 //!
 //! Each case is a test by being shipped. Its study leaves its tables and variance curves in `reports/convergence/<case>/`
@@ -9,7 +9,7 @@ mod strategies;
 
 use std::path::{Path, PathBuf};
 
-use etendue::case::{Case, Replicates, SmallestBias, shipped};
+use etendue::case::{Case, Replicates, SmallestBias, shipped_direct};
 use etendue::oracle::Region;
 use etendue::report::{self, ReportOptions};
 use etendue::sampling::Strategy;
@@ -52,11 +52,18 @@ cases! {
     three_regions_converges: "penumbra/three-regions",
     tilted_occluder_converges: "penumbra/tilted-occluder",
     two_shadows_converges: "penumbra/two-shadows",
+    blended_panel_converges: "texture/blended-panel",
+    checker_panel_converges: "texture/checker-panel",
+    globe_converges: "texture/globe",
+    picture_panel_converges: "texture/picture-panel",
+    sectors_converges: "texture/sectors",
+    slanted_triangle_converges: "texture/slanted-triangle",
+    tiled_ball_converges: "texture/tiled-ball",
 }
 
 #[test]
 fn every_shipped_case_is_studied() {
-    assert_eq!(shipped().map(|case| case.name()).collect::<Vec<_>>(), CASES);
+    assert_eq!(shipped_direct().map(|case| case.name()).collect::<Vec<_>>(), CASES);
 }
 
 /// Half-widths of a 95 % interval that a measured rate may lie off: over all cases, strategies, regions and sample counts
@@ -261,7 +268,7 @@ fn slopes(outcome: &CaseOutcome) -> [f64; 3] {
 }
 
 fn read(name: &str) -> Case {
-    let case = shipped().find(|case| case.name() == name).unwrap_or_else(|| panic!("{name} is not shipped"));
+    let case = shipped_direct().find(|case| case.name() == name).unwrap_or_else(|| panic!("{name} is not shipped"));
     case.read().unwrap_or_else(|mistakes| panic!("{mistakes}"))
 }
 

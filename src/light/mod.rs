@@ -1,0 +1,64 @@
+//! Rays from the light: from sources through mirrors and glass to the diffuse surfaces where they leave their flux.
+//!
+//! ```
+//! use etendue::configuration::{Configuration, Contents, Glass, GlassShape, Lamp, Receiver, ReceiverShape};
+//! use etendue::geometry::{DVec3, Rectangle, Sphere};
+//! use etendue::light::{self, Light, LightSettings};
+//! use etendue::radiometry::{Beam, Irradiance};
+//!
+//! // A beam of 1 W/m² falls through a glass ball onto a screen.
+//! let beam = Beam::new(DVec3::Z * 3.0, -DVec3::Z, 0.8, Irradiance::new(1.0))?;
+//! let ball = GlassShape::Sphere(Sphere::new(DVec3::ZERO, 1.0)?);
+//! let screen = Rectangle::new(DVec3::Z * -2.0, DVec3::X * 6.0, DVec3::Y * 6.0)?;
+//! let room = Configuration::of(Contents {
+//!     lamps: vec![Lamp::Beam(beam)],
+//!     glass: vec![Glass::new(ball, 1.5)?],
+//!     receiver: Some(Receiver::new(ReceiverShape::Rectangle(screen), None)?),
+//!     ..Contents::default()
+//! })
+//! .expect("nothing in this room contradicts itself");
+//! let run = light::trace(&room, &LightSettings { rays: 10_000, ..LightSettings::default() }, 1);
+//!
+//! // Every watt is booked, and the map holds what was deposited.
+//! assert!(run.ledger.relative_residual() < 1e-12);
+//! assert!((run.ledger.emitted / beam.power().watts() - 1.0).abs() < 1e-12);
+//! assert!((run.maps[0].total(Light::Both) / run.ledger.deposited - 1.0).abs() < 1e-12);
+//! // Most of it went straight through: in and out are two interactions.
+//! assert!(run.deposited_by_order(2) > 0.85 * run.ledger.emitted);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # What is modelled
+//!
+//! - Sources with area (cosine emission), points, beams; unpolarised light.
+//! - Smooth mirrors of one reflectance, both sides; clear convex glass by Snell and Fresnel. s and p are carried apart as
+//!   long as a path stays in one plane of incidence; where it leaves it, it goes on unpolarised, and
+//!   [`LightRun::depolarised`] counts how often.
+//! - A packet stops at the first diffuse surface. What a diffuse surface sends on is not followed.
+//! - Glass bodies do not share space. A mirror that touches glass, or glass that touches glass, face on face, is not
+//!   modelled: which of the two faces comes first is then left to rounding.
+//!
+//! # Order
+//!
+//! Light is counted by its interactions: order 0 is direct, order 2 through a glass ball is the first pass, order 1 from it
+//! is reflected off its outside.
+
+mod aim;
+mod body;
+mod chain;
+mod draws;
+mod emitter;
+mod face;
+mod interface;
+mod ledger;
+mod map;
+mod room;
+mod settings;
+mod tally;
+mod trace;
+
+pub use interface::{Interface, reflected};
+pub use ledger::{Ledger, Moments, Sum};
+pub use map::{Light, RingMap, TexelMap, TileMap};
+pub use settings::{Aim, LightSettings, Rings, Split};
+pub use trace::{LightRun, LightTracer, trace};

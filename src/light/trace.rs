@@ -1,0 +1,204 @@
+//! One run: batches of rays, each a pure function of its key, joined in their order.
+
+use rayon::prelude::*;
+
+use super::chain::Tracer;
+use super::draws::Draws;
+use super::emitter::{Emitter, Group, emitters};
+use super::ledger::{Ledger, Moments, Sum};
+use super::map::{Landing, RingMap, TexelMap, TileMap};
+use super::room::Room;
+use super::settings::LightSettings;
+use super::tally::Tally;
+use crate::configuration::Configuration;
+use crate::geometry::TexelGrid;
+use crate::sampling::StreamKey;
+
+/// Rays of a batch, about: a unit of work, and of memory.
+const RAYS_A_BATCH: u64 = 1 << 13;
+/// Batches that are worked on before any of them is joined.
+const BATCHES_A_ROUND: u64 = 32;
+/// Keeps the streams of the light apart from those of the estimators: "light" in ASCII.
+const PURPOSE: u64 = 0x006c_6967_6874;
+
+/// What the light of a configuration has left, and where it went.
+#[derive(Clone, Debug)]
+pub struct LightRun {
+    pub ledger: Ledger,
+    /// The receiver's, if there is one, then one for each diffuse surface.
+    pub maps: Vec<TexelMap>,
+    /// On the receiver; `None` where the settings name none, or there is no receiver.
+    pub rings: Option<RingMap>,
+    /// On the receiver; `None` likewise.
+    pub tiles: Option<TileMap>,
+    /// What was deposited by light of each number of interactions, on each map: `[n_maps][depth + 1]`, W.
+    orders: Vec<Moments>,
+    depth: usize,
+    /// Rays and branches that met each mirror, then each piece of glass. Nought: no light reaches it.
+    pub reached: Vec<u64>,
+    /// Interactions at which polarised light changed its plane of incidence. It goes on as unpolarised, which is an
+    /// approximation.
+    pub depolarised: u64,
+    /// The flux of them, W, a packet counted each time.
+    pub depolarised_flux: f64,
+}
+
+impl LightRun {
+    /// What light of one order left on a map, W, with its spread over groups.
+    pub fn deposited(&self, map: usize, order: usize) -> Moments {
+        let in_range = map < self.maps.len() && order <= self.depth;
+        if in_range { self.orders[map * (self.depth + 1) + order] } else { Moments::default() }
+    }
+    /// The largest order that can be deposited.
+    pub fn depth(&self) -> usize {
+        self.depth
+    }
+    /// What light of one order left on all maps, W.
+    pub fn deposited_by_order(&self, order: usize) -> f64 {
+        let mut sum = Sum::default();
+        (0..self.maps.len()).for_each(|map| sum += self.deposited(map, order).flux);
+        sum.value()
+    }
+}
+
+/// A configuration, prepared for rays from the light.
+pub struct LightTracer {
+    room: Room,
+    emitters: Vec<Emitter>,
+    landings: Vec<Landing>,
+    settings: LightSettings,
+    source_power: f64,
+    root: StreamKey,
+}
+
+impl LightTracer {
+    /// - `seed`: streams are keyed by it, by the configuration's digest, and by nothing else
+    pub fn new(configuration: &Configuration, settings: &LightSettings, seed: u64) -> LightTracer {
+        let room = Room::new(configuration);
+        let emitters = emitters(configuration, &room, settings.aim);
+        let side = |n: usize| n.clamp(1, TexelGrid::MAX_SIDE);
+        let grid = TexelGrid::new(side(settings.map[0]), side(settings.map[1])).expect("sides within their limits");
+        let receiver = configuration.receiver().map(|receiver| *receiver.shape());
+        let shapes = receiver.into_iter().chain(configuration.diffuse().iter().map(|surface| *surface.shape()));
+        let landings = shapes.enumerate().map(|(k, shape)| Landing::new(&shape, grid, k * grid.n_texels())).collect();
+        // Rings lie on the receiver.
+        let rings = settings.rings.filter(|_| configuration.receiver().is_some());
+        let tiles = settings.tiles.filter(|_| configuration.receiver().is_some());
+        let mut source_power = Sum::default();
+        emitters.iter().for_each(|emitter| source_power += emitter.power);
+        LightTracer {
+            room,
+            emitters,
+            landings,
+            settings: LightSettings { rings, tiles, ..settings.clone() },
+            source_power: source_power.value(),
+            root: StreamKey::root(seed).with(configuration.digest().key()).with(PURPOSE),
+        }
+    }
+
+    /// Sends the rays. The same bytes on any number of threads.
+    ///
+    /// Rays leave in groups, each from one source, chosen with a probability of its power, and each group carries the same
+    /// flux. Groups are independent and alike.
+    pub fn run(&self) -> LightRun {
+        let depth = self.settings.depth;
+        let rays_a_group = self.emitters.iter().map(Emitter::rays_a_group).max().unwrap_or(1) as u64;
+        let n_groups = if self.emitters.is_empty() { 0 } else { self.settings.rays.max(1).div_ceil(rays_a_group) };
+        let groups_a_batch = (RAYS_A_BATCH / rays_a_group).max(1);
+        let n_batches = n_groups.div_ceil(groups_a_batch);
+        let mut maps: Vec<TexelMap> = self.landings.iter().map(TexelMap::new).collect();
+        let n_texels = self.landings.first().map_or(1, |landing| landing.grid.n_texels());
+        let mut total = self.tally();
+        for first in (0..n_batches).step_by(BATCHES_A_ROUND as usize) {
+            let round = first..(first + BATCHES_A_ROUND).min(n_batches);
+            let batch = |k: u64| {
+                let groups = (n_groups - k * groups_a_batch).min(groups_a_batch);
+                self.batch(k, groups, n_groups)
+            };
+            let done: Vec<Tally> = round.into_par_iter().map(batch).collect();
+            for tally in &done {
+                total.merge(tally);
+                for (cell, flux) in &tally.texels {
+                    let (texel, light) = (*cell as usize / 2, *cell as usize % 2);
+                    maps[texel / n_texels].add(texel % n_texels, light, *flux);
+                }
+            }
+        }
+        maps.iter_mut().for_each(|map| map.close(total.groups));
+        let ledger = Ledger {
+            rays: total.rays,
+            groups: total.groups,
+            source_power: self.source_power,
+            emitted: total.emitted.value(),
+            deposited: total.deposited.watts(),
+            deposited_std_error: total.deposited.std_error(total.groups),
+            absorbed: total.absorbed.value(),
+            escaped: total.escaped.value(),
+            terminated: total.terminated.value(),
+        };
+        let rings =
+            self.settings.rings.map(|rings| RingMap { rings, cells: total.rings.cells, n_groups: total.groups });
+        let tiles = self.settings.tiles.map(|tiles| TileMap {
+            parametrisation: self.landings[0].parametrisation,
+            tiles,
+            cells: total.tiles.cells,
+            n_groups: total.groups,
+        });
+        LightRun {
+            ledger,
+            maps,
+            rings,
+            tiles,
+            orders: total.orders.cells,
+            depth,
+            reached: total.reached,
+            depolarised: total.depolarised,
+            depolarised_flux: total.depolarised_flux.value(),
+        }
+    }
+
+    fn tally(&self) -> Tally {
+        let n_rings = self.settings.rings.map_or(0, |rings| rings.count);
+        let n_tiles = self.settings.tiles.map_or(0, TexelGrid::n_texels);
+        Tally::new(self.room.n_maps(), self.settings.depth, [n_rings, n_tiles], self.room.n_optics())
+    }
+
+    fn batch(&self, batch: u64, groups: u64, n_groups: u64) -> Tally {
+        let mut tally = self.tally();
+        let mut draws = Draws::new(self.root.with(batch));
+        let tracer = Tracer::new(&self.room, &self.landings, &self.settings);
+        let (mut group, mut branches) = (Group::default(), Vec::new());
+        let flux = self.source_power / n_groups as f64;
+        for _ in 0..groups {
+            self.pick(&mut draws).send(&self.room, flux, &mut draws, &mut group);
+            for ray in &group.rays {
+                tracer.follow(*ray, &mut branches, &mut draws, &mut tally);
+            }
+            tally.settle();
+        }
+        tally
+    }
+
+    /// A source, with a probability of its share of the power.
+    fn pick(&self, draws: &mut Draws) -> &Emitter {
+        let (last, others) = self.emitters.split_last().expect("a batch has an emitter");
+        if others.is_empty() {
+            return last;
+        }
+        let mut left = draws.unit() * self.source_power;
+        for emitter in others {
+            if left < emitter.power {
+                return emitter;
+            }
+            left -= emitter.power;
+        }
+        last
+    }
+}
+
+/// Follows the light of a configuration from its sources.
+///
+/// - `seed`: other seeds give independent runs
+pub fn trace(configuration: &Configuration, settings: &LightSettings, seed: u64) -> LightRun {
+    LightTracer::new(configuration, settings, seed).run()
+}
