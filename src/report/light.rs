@@ -42,7 +42,12 @@ pub(super) fn energy<'a>() -> Table<EnergyRow<'a>> {
             column!("residual_W", "W", "emitted less deposited, absorbed, escaped and terminated", |r| r
                 .books
                 .residual),
-            column!("map_integral_W", "W", "what the texels of all maps hold", |r| r.books.map_integral),
+            column!(
+                "map_integral_W",
+                "W",
+                "what the irradiances of all maps come to over their surfaces, by the texels' exact areas",
+                |r| r.books.map_integral
+            ),
             column!(
                 "exact_deposited_W",
                 "W",

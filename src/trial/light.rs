@@ -7,14 +7,15 @@
 //!   group's deposit X in a ring is no more than g and no less than nought, and with the exact mean m its variance is at
 //!   most m (g − m): known beforehand, whatever the optics, and exact where a group is one ray.
 
+use std::f64::consts::PI;
 use std::time::Instant;
 
 use super::map_error;
 use super::outcome::{CausticBin, JudgedProperty, LightOutcome, LightRow, Timing};
 use crate::case::{Case, SmallestBias};
-use crate::configuration::Configuration;
-use crate::geometry::TexelGrid;
-use crate::light::{Light, LightRun, LightSettings, Moments, trace};
+use crate::configuration::{Configuration, ReceiverShape};
+use crate::geometry::{Texel, TexelGrid};
+use crate::light::{Light, LightRun, LightSettings, Moments, Sum, TexelMap, trace};
 use crate::oracle::optics::{Bounded, CausticLayout, CupLayout, deposited_power, power_by_flat_mirror};
 use crate::statistics::evidence::{THRESHOLD_LOG10, ln_average, log10_capped, smallest_shift};
 use crate::statistics::interval::Z_95;
@@ -55,7 +56,7 @@ pub(super) fn light(
     for rays in [most.div_ceil(16), most.div_ceil(4), most] {
         let settings = LightSettings { rays, ..case.light.clone() };
         let run = trace(room, &settings, seed);
-        rows.push(row(&run, due));
+        rows.push(row(&run, room, due));
         texels.extend(map_error::rows(&run, &squares));
         last = Some(run);
     }
@@ -73,8 +74,10 @@ pub(super) fn light(
 }
 
 /// The books of one run.
-fn row(run: &LightRun, due: Option<Bounded>) -> LightRow {
-    let map_integral = run.maps.iter().map(|map| map.total(Light::Both)).sum::<f64>();
+fn row(run: &LightRun, room: &Configuration, due: Option<Bounded>) -> LightRow {
+    let receiver = room.receiver().map(|receiver| *receiver.shape());
+    let surfaces = receiver.into_iter().chain(room.diffuse().iter().map(|surface| *surface.shape()));
+    let map_integral = run.maps.iter().zip(surfaces).map(|(map, shape)| integral(map, &shape)).sum::<f64>();
     let ledger = &run.ledger;
     let off = |a: f64, b: f64| (a - b).abs() <= ROUNDING * ledger.source_power.abs();
     let balanced = ledger.relative_residual() <= ROUNDING
@@ -95,6 +98,33 @@ fn row(run: &LightRun, due: Option<Bounded>) -> LightRow {
         exact_deposited: due.map(|due| due.value),
         verdict,
     }
+}
+
+/// What the irradiances of a map come to over its surface, W, by areas of texels that are none of the map's own: a map that
+/// forgets how its texels shrink towards a pole does not hold what was deposited.
+fn integral(map: &TexelMap, shape: &ReceiverShape) -> f64 {
+    let grid = map.grid();
+    let share = 1.0 / grid.n_texels() as f64;
+    let area = |texel: Texel| match shape {
+        ReceiverShape::Rectangle(s) => s.edge_u().cross(s.edge_v()).length() * share,
+        // Rings of equal area, by (distance/radius)².
+        ReceiverShape::Disk(s) => PI * s.radius() * s.radius() * share,
+        // Archimedes: as much as on the cylinder around it. The height between two polar angles, without cancellation.
+        ReceiverShape::Sphere(s) => {
+            let [_, [south, north]] = grid.extent(texel);
+            let height = 2.0 * (0.5 * PI * (south + north)).sin() * (0.5 * PI * (north - south)).sin();
+            2.0 * PI * s.radius() * s.radius() * height / grid.ns() as f64
+        }
+        // Cut by its sides.
+        ReceiverShape::Triangle(_) => map.area(texel),
+    };
+    let mut sum = Sum::default();
+    for texel in grid.texels() {
+        if let Some(irradiance) = map.irradiance(texel, Light::Both) {
+            sum += irradiance.watts_per_square_metre() * area(texel);
+        }
+    }
+    sum.value()
 }
 
 /// The rings of the known orders, where the case's rings lie around the layout's axis and on its receiver.
@@ -438,7 +468,7 @@ mod tests {
             let case = shipped_caustics().find(|case| case.name() == name).unwrap().read().unwrap();
             let (run, _) = followed(name);
             let due = deposited_power(&case.configuration, case.light.depth).expect("known");
-            let sound = row(&run, Some(due));
+            let sound = row(&run, &case.configuration, Some(due));
             let judged = energy(std::slice::from_ref(&sound), Some(&deposit_claim(&run, due)), "");
             assert_eq!(judged.verdict, Verdict::Pass, "{name}: {}", judged.words);
             // Two per cent booked as deposited that went elsewhere.
@@ -453,12 +483,13 @@ mod tests {
 
     #[test]
     fn books_that_do_not_balance_fail() {
+        let case = shipped_caustics().find(|case| case.name() == "caustic/glass-ball").unwrap().read().unwrap();
         let (run, _) = followed("caustic/glass-ball");
-        let sound = row(&run, None);
+        let sound = row(&run, &case.configuration, None);
         assert_eq!(energy(std::slice::from_ref(&sound), None, "").verdict, Verdict::Pass);
         let mut short = run.clone();
         short.ledger.escaped -= 1e-9 * short.ledger.emitted;
-        let judged = energy(&[sound, row(&short, None)], None, "");
+        let judged = energy(&[sound, row(&short, &case.configuration, None)], None, "");
         assert_eq!(judged.verdict, Verdict::Fail);
         assert!(judged.words.contains("unaccounted"), "{}", judged.words);
     }
