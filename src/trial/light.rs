@@ -273,13 +273,14 @@ fn energy(rows: &[LightRow], due: Option<&Claim>, reproduce: &str) -> JudgedProp
     let balanced = rows.iter().all(|row| row.verdict == Verdict::Pass);
     let evidence = due.map_or(0.0, |due| log10_capped(due.capital()));
     let is_due = evidence < THRESHOLD_LOG10;
+    // Books that do not balance come first; else what the deposited share is off by, where that is known.
+    let (effect, error) = due.filter(|_| balanced).map_or((worst, 0.0), deviation);
     let words = if balanced && is_due {
         let share = due.map_or(String::new(), |due| {
             format!("; no deviation of the deposited share above {:.2} %", 100.0 * due.seen(1))
         });
         format!("every watt is booked: gaps in the books of at most {worst:.1e} of what was emitted{share}")
-    } else if let (true, Some(due)) = (balanced, due) {
-        let (effect, error) = deviation(due);
+    } else if balanced {
         format!(
             "the books balance, and are wrong: {:+.2} % ± {:.2} % of the flux that should have been deposited",
             100.0 * effect,
@@ -298,9 +299,9 @@ fn energy(rows: &[LightRow], due: Option<&Claim>, reproduce: &str) -> JudgedProp
         verdict: if balanced && is_due { Verdict::Pass } else { Verdict::Fail },
         evidence: if balanced { evidence } else { log10_capped(f64::INFINITY) },
         threshold: THRESHOLD_LOG10,
-        effect: worst,
-        effect_low: worst,
-        effect_high: worst,
+        effect,
+        effect_low: effect - Z_95 * error,
+        effect_high: effect + Z_95 * error,
         smallest_bias_mean: Some(due.map_or(ROUNDING, |due| due.seen(1))),
         smallest_bias_point: None,
         words,
