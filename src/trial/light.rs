@@ -23,6 +23,8 @@ use crate::statistics::{Capital, Observed, Statement, Verdict};
 
 /// What the books may be off by, relative to what was emitted.
 const ROUNDING: f64 = 1e-12;
+/// Share of the power beyond which taking polarised light for unpolarised is told of.
+const DEPOLARISED: f64 = 1e-4;
 /// Of the flux of all rings of an order: a ring below it is shown, and no promise is made of it.
 const WELL_LIT: f64 = 0.01;
 
@@ -66,11 +68,34 @@ pub(super) fn light(
     bins.extend(by_flat_mirror(&run, room));
     bins.extend(tiles(&run, room));
     let due = due.map(|due| deposit_claim(&run, due));
-    let mut verdicts = vec![energy(&rows, due.as_ref(), reproduce)];
+    let mut books = energy(&rows, due.as_ref(), reproduce);
+    books.note = note(&run, room);
+    let mut verdicts = vec![books];
     verdicts.extend(caustic(&run, &bins, smallest, reproduce));
     let rays = rows.iter().map(|row| row.rays).sum();
     let timing = Timing { stage: "light", rays, seconds, efficiency: None };
     Some(LightOutcome { rows, bins, texels, verdicts, timing })
+}
+
+/// What a reader should know of a run that no verdict says.
+fn note(run: &LightRun, room: &Configuration) -> Option<String> {
+    let names = (0..room.mirrors().len()).map(|i| format!("mirror {i}"));
+    let names = names.chain((0..room.glass().len()).map(|i| format!("glass {i}")));
+    let dark: Vec<String> = names.zip(&run.reached).filter(|(_, rays)| **rays == 0).map(|(name, _)| name).collect();
+    let mut told = Vec::new();
+    if !dark.is_empty() {
+        told.push(format!("no light reaches {}", dark.join(", ")));
+    }
+    let share = run.depolarised_flux / run.ledger.source_power;
+    if share > DEPOLARISED {
+        told.push(format!(
+            "at {} interactions, {:.2} % of the power, light left its plane of incidence and went on as unpolarised, an \
+             approximation",
+            run.depolarised,
+            100.0 * share
+        ));
+    }
+    (!told.is_empty()).then(|| told.join("; "))
 }
 
 /// The books of one run.
@@ -480,6 +505,15 @@ mod tests {
             let judged = energy(std::slice::from_ref(&sound), Some(&deposit_claim(&wrong, due)), "");
             assert_eq!(judged.verdict, Verdict::Fail, "{name}: {}", judged.words);
         }
+    }
+
+    #[test]
+    fn an_optic_in_the_dark_is_told_of() {
+        let case = shipped_caustics().find(|case| case.name() == "caustic/glass-ball").unwrap().read().unwrap();
+        let (mut run, _) = followed("caustic/glass-ball");
+        assert_eq!(note(&run, &case.configuration), None);
+        run.reached = vec![0];
+        assert_eq!(note(&run, &case.configuration).as_deref(), Some("no light reaches glass 0"));
     }
 
     #[test]
