@@ -96,6 +96,11 @@ impl Case {
         read::read(&file, text.as_bytes())
     }
 
+    /// The shipped case of that name (`etendue list` has them); not a file, not a part of a name.
+    pub fn shipped(name: &str) -> Result<Case, SelectError> {
+        select::shipped_case(name)
+    }
+
     /// A case file on disk, named by its stem. Meshes that it names lie in its folder or below.
     pub fn read(path: &Path) -> Result<Case, CaseErrors> {
         select::OnDisk::single(path).read()

@@ -2,6 +2,7 @@
 
 mod commands;
 mod explain;
+mod guests;
 mod options;
 mod progress;
 
@@ -37,6 +38,9 @@ pub fn main() -> ExitCode {
         Some(options::Command::Calibrate(calibrate)) => commands::calibrate(&calibrate),
         Some(options::Command::Plan(plan)) => commands::plan(&plan),
         Some(options::Command::Explain(explain)) => commands::explain(&explain),
+        Some(options::Command::Judge(judge)) => guests::judge(&judge),
+        Some(options::Command::Verify(verify)) => guests::verify(&verify),
+        Some(options::Command::Points(points)) => guests::points(&points),
         Some(options::Command::Run(run)) => commands::run(&run),
         None => commands::run(&options.run),
     };

@@ -10,7 +10,7 @@ use crate::oracle::Parameter;
 use crate::sampling::Strategy;
 use crate::trial::{Effort, Overrides, Settings};
 
-const EXIT_CODES: &str = "\
+pub(super) const EXIT_CODES: &str = "\
 Exit codes:
   0   every verdict passed
   1   a verdict failed
@@ -49,6 +49,14 @@ pub enum Command {
     Calibrate(Calibrate),
     /// What a run would cost and could see, before it is spent
     Plan(Plan),
+    /// Judge a program in any language: points on its standard input, estimates from its standard output
+    #[command(after_help = super::guests::JUDGE_HELP)]
+    Judge(super::guests::JudgeOptions),
+    /// Judge a file of estimates that somebody else made
+    #[command(after_help = super::guests::VERIFY_HELP)]
+    Verify(super::guests::VerifyOptions),
+    /// Write a strategy's points in the unit square, as `run --points` reads them
+    Points(super::guests::PointsOptions),
     /// A verdict, a strategy, a case or a word of the reports: what it means, and what it does not say
     Explain(Explain),
 }
@@ -103,6 +111,9 @@ pub struct Run {
     /// Write tables only
     #[arg(long)]
     pub no_plots: bool,
+    /// File of point sets, as a strategy `points:NAME`; alone, unless --strategy names others beside it
+    #[arg(long, value_name = "FILE")]
+    pub points: Vec<PathBuf>,
 }
 
 impl Work {
@@ -134,7 +145,7 @@ pub struct Plan {
 
 #[derive(Args, Debug)]
 pub struct Explain {
-    /// verdict, bias, variance, covariance, rate, correlation, region, a strategy, or a shipped case; none: what there is
+    /// verdict, bias, variance, covariance, judge, rate, correlation, region, a strategy, or a shipped case; none: what there is
     #[arg(value_name = "NAME")]
     pub name: Option<String>,
 }
@@ -194,12 +205,12 @@ impl Calibrate {
     }
 }
 
-fn strategy(name: &str) -> Result<Strategy, String> {
+pub(super) fn strategy(name: &str) -> Result<Strategy, String> {
     let known = || Strategy::ALL.map(Strategy::name).join(", ");
     Strategy::from_name(name).ok_or_else(|| format!("no such strategy; there are {}", known()))
 }
 
-fn replicates(text: &str) -> Result<Replicates, String> {
+pub(super) fn replicates(text: &str) -> Result<Replicates, String> {
     match text {
         "auto" => Ok(Replicates::Auto),
         _ => match text.parse() {
@@ -209,7 +220,7 @@ fn replicates(text: &str) -> Result<Replicates, String> {
     }
 }
 
-fn smallest_bias(text: &str) -> Result<SmallestBias, String> {
+pub(super) fn smallest_bias(text: &str) -> Result<SmallestBias, String> {
     let number = |text: &str| match text.trim().parse::<f64>() {
         Ok(x) if x.is_finite() && x > 0.0 => Ok(x),
         _ => Err("one or two numbers greater than zero, such as 0.01 or 0.01,0.1".to_owned()),

@@ -163,6 +163,7 @@ fn strategy_outcome(
         .collect();
     StrategyOutcome {
         strategy,
+        guest: None,
         cells,
         rates,
         correlations,

@@ -151,7 +151,7 @@ fn numbers_come_back_as_they_were_measured() {
             for (i, measured) in cell.points.iter().enumerate() {
                 let row = rows.next().expect("one row for each point of each cell");
                 assert_eq!(row[column("case")], case.name);
-                assert_eq!(row[column("strategy")], strategy.strategy.name());
+                assert_eq!(row[column("strategy")], strategy.name());
                 assert_eq!(row[column("point")], i.to_string());
                 assert_eq!(row[column("region")], case.truths[i].region.name());
                 assert_eq!(row[column("samples")], cell.samples.to_string());

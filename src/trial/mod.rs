@@ -7,7 +7,9 @@
 mod accept;
 mod correlation;
 mod forecast;
+mod guest;
 mod judge;
+mod lean;
 mod light;
 mod map_error;
 mod measure;
@@ -24,10 +26,15 @@ mod settings;
 mod spread;
 
 pub use forecast::{Forecast, forecast};
+pub use guest::{
+    Asked, AskedCell, FEWEST_PILOT_REPLICATES, Invitation, NotJudged, Take, judge_answers, judge_given, judge_guest,
+    judge_sets, questions,
+};
+pub use lean::Leaning;
 pub use outcome::{
     CaseOutcome, CausticBin, Cell, Correlation, JudgedProperty, LightOutcome, LightRow, MapRow, Measured, Rate,
     RatePoint, RunOutcome, StrategyOutcome, Timing,
 };
 pub use repeat::Repeated;
 pub use run::{Maker, Progress, TrialError, run, run_with};
-pub use settings::{Effort, Overrides, Settings};
+pub use settings::{Effort, Overrides, Settings, quoted};

@@ -38,9 +38,8 @@ pub struct CaseOutcome {
 
 impl CaseOutcome {
     /// All verdicts in the order of the report, each with the name of the strategy that it is about, or `light`.
-    pub fn verdicts(&self) -> impl Iterator<Item = (&'static str, &JudgedProperty)> {
-        let of_strategies =
-            self.strategies.iter().flat_map(|s| s.verdicts.iter().map(|judged| (s.strategy.name(), judged)));
+    pub fn verdicts(&self) -> impl Iterator<Item = (&str, &JudgedProperty)> {
+        let of_strategies = self.strategies.iter().flat_map(|s| s.verdicts.iter().map(|judged| (s.name(), judged)));
         let of_light = self.light.iter().flat_map(|light| light.verdicts.iter().map(|judged| ("light", judged)));
         of_strategies.chain(of_light)
     }
@@ -136,13 +135,23 @@ pub struct CausticBin {
 /// One case under one strategy.
 #[derive(Clone, Debug)]
 pub struct StrategyOutcome {
+    /// Of a guest: `random`, which a guest is measured against.
     pub strategy: Strategy,
+    /// Who made the estimates, where it was not etendue.
+    pub guest: Option<String>,
     /// One for each sample count, ascending.
     pub cells: Vec<Cell>,
     pub rates: Vec<Rate>,
     pub correlations: Vec<Correlation>,
     pub verdicts: Vec<JudgedProperty>,
     pub timings: Vec<Timing>,
+}
+
+impl StrategyOutcome {
+    /// The name that reports use: the strategy's, or the guest's.
+    pub fn name(&self) -> &str {
+        self.guest.as_deref().unwrap_or(self.strategy.name())
+    }
 }
 
 /// All points at one sample count.
