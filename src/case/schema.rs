@@ -553,8 +553,10 @@ pub const DIFFUSE_DISK: Table =
     Table { path: "diffuse.disk", keys: &[CENTER, NORMAL, RADIUS, DIFFUSE_ALBEDO, DIFFUSE_EXITANCE] };
 pub const DIFFUSE_TRIANGLE: Table =
     Table { path: "diffuse.triangle", keys: &[VERTICES, DIFFUSE_ALBEDO, DIFFUSE_EXITANCE] };
-pub const DIFFUSE_SPHERE: Table =
-    Table { path: "diffuse.sphere", keys: &[CENTER, RADIUS, DIFFUSE_ALBEDO, DIFFUSE_EXITANCE, INWARD, TRANSMITTANCE] };
+pub const DIFFUSE_SPHERE: Table = Table {
+    path: "diffuse.sphere",
+    keys: &[CENTER, RADIUS, DIFFUSE_ALBEDO, DIFFUSE_EXITANCE, INWARD, TRANSMITTANCE],
+};
 
 pub const RAYS: Key =
     key("rays", Value::Count, "", Need::Default("1000000"), "Rays that leave the sources, at least; 1 or more.");

@@ -192,14 +192,7 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    fn mirror(
-        &self,
-        ray: Ray,
-        surface: usize,
-        at: DVec3,
-        reflectance: f64,
-        tally: &mut Tally,
-    ) -> Option<Ray> {
+    fn mirror(&self, ray: Ray, surface: usize, at: DVec3, reflectance: f64, tally: &mut Tally) -> Option<Ray> {
         let normal = self.room.normal(surface, at);
         let (s, p) = (ray.s * reflectance, ray.p * reflectance);
         tally.absorbed += ray.flux() - (s + p);

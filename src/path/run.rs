@@ -22,8 +22,8 @@ const PURPOSE: u64 = 0x0065_7965;
 pub struct PathPoint {
     /// In the order of [`Part::ALL`].
     parts: [Moments; 3],
-    /// Paths that came upon a source by chance.
-    pub reached: u64,
+    /// Paths that came upon a source by chance, by the same parts.
+    reached: [u64; 3],
     /// Paths that a limit of length ended.
     pub terminated: u64,
 }
@@ -41,14 +41,18 @@ impl PathPoint {
     pub fn variance(&self, part: Part, paths: u64) -> Option<f64> {
         self.moments(part).variance(paths).map(|of_sum| of_sum / paths as f64)
     }
+    /// Paths that came upon a source by chance and by such a way.
+    pub fn reached(&self, part: Part) -> u64 {
+        self.reached[part.index()]
+    }
     fn add(&mut self, found: &Found) {
         self.parts.iter_mut().zip(found.parts()).for_each(|(sums, light)| sums.add(light));
-        self.reached += u64::from(found.reached);
+        self.reached.iter_mut().zip(found.reached).for_each(|(count, reached)| *count += u64::from(reached));
         self.terminated += u64::from(found.terminated);
     }
     fn merge(&mut self, other: &PathPoint) {
         self.parts.iter_mut().zip(&other.parts).for_each(|(sums, other)| sums.merge(other));
-        self.reached += other.reached;
+        self.reached.iter_mut().zip(other.reached).for_each(|(count, other)| *count += other);
         self.terminated += other.terminated;
     }
 }
@@ -192,7 +196,7 @@ impl PathTracer {
                 mean.direct += share * found.direct;
                 mean.caustic += share * found.caustic;
                 mean.indirect += share * found.indirect;
-                mean.reached |= found.reached;
+                (0..3).for_each(|k| mean.reached[k] |= found.reached[k]);
                 mean.terminated |= found.terminated;
                 run.segments += found.segments;
             }

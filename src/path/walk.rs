@@ -23,8 +23,8 @@ pub(super) struct Found {
     pub direct: f64,
     pub caustic: f64,
     pub indirect: f64,
-    /// Whether it came upon a source by chance.
-    pub reached: bool,
+    /// Whether it came upon a source by chance: in any way, and in those of [`super::Part`].
+    pub reached: [bool; 3],
     pub terminated: bool,
     /// Directions that it went, shadow rays not counted.
     pub segments: u64,
@@ -108,7 +108,9 @@ impl<W: Weighing> Walker<'_, W> {
             let on_front = ray.direction.dot(outward) < 0.0;
             let glow = skin.glow.at(at, on_front);
             if glow > 0.0 {
-                found.reached = true;
+                found.reached[0] = true;
+                found.reached[1] |= reflections == 0 && ray.order > 0;
+                found.reached[2] |= reflections > 0;
                 if self.weighing.counts(self.settings.next_event, ray.order == 0) {
                     found.add(weight * glow, reflections, ray.order);
                 }

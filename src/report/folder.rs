@@ -15,12 +15,13 @@ pub(super) const PLOTS: &str = "plots";
 const PARTIAL: &str = "partial";
 
 /// Files that lie directly in the folder.
-pub(super) const FILES: [&str; 8] = [
+pub(super) const FILES: [&str; 9] = [
     "convergence.csv",
     "rates.csv",
     "correlation.csv",
     "energy.csv",
     "caustic.csv",
+    "paths.csv",
     "verdicts.csv",
     "timings.csv",
     "manifest.json",

@@ -17,6 +17,7 @@ mod forecast;
 mod light;
 mod limits;
 mod manifest;
+mod paths;
 #[cfg(feature = "plots")]
 mod plot;
 mod tables;
@@ -88,6 +89,7 @@ fn csv_files(outcome: &RunOutcome) -> Result<Vec<(&'static str, Vec<u8>)>, Repor
         filled(tables::correlation(), tables::correlation_rows(outcome))?,
         filled(light::energy(), light::energy_rows(outcome))?,
         filled(light::caustic(), light::caustic_rows(outcome))?,
+        filled(paths::paths(), paths::path_rows(outcome))?,
         filled(tables::verdicts(), tables::verdict_rows(outcome))?,
         filled(tables::timings(), tables::timing_rows(outcome))?,
     ])
@@ -112,6 +114,7 @@ the tables.)*
         tables::correlation().described(),
         light::energy().described(),
         light::caustic().described(),
+        paths::paths().described(),
         tables::verdicts().described(),
         tables::timings().described(),
         exact::exact().described(),

@@ -7,6 +7,7 @@
 mod accept;
 mod correlation;
 mod forecast;
+mod indirect;
 mod judge;
 mod light;
 mod measure;
@@ -24,8 +25,8 @@ mod spread;
 
 pub use forecast::{Forecast, forecast};
 pub use outcome::{
-    CaseOutcome, CausticBin, Cell, Correlation, JudgedProperty, LightOutcome, LightRow, Measured, Rate, RatePoint,
-    RunOutcome, StrategyOutcome, Timing,
+    CaseOutcome, CausticBin, Cell, Correlation, JudgedProperty, LightOutcome, LightRow, Measured, PathOutcome,
+    PathRow, Rate, RatePoint, RunOutcome, StrategyOutcome, Timing,
 };
 pub use repeat::Repeated;
 pub use run::{Maker, Progress, TrialError, run, run_with};

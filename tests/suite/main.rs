@@ -14,6 +14,7 @@ mod exact;
 mod first_met;
 mod gauss;
 mod icosphere;
+mod interreflections;
 mod laws;
 mod light;
 mod meshes;

@@ -100,25 +100,28 @@ impl Between {
         let [other] = room.diffuse() else { return None };
         let contents = room.contents();
         let alone = contents.sources.is_empty() && contents.occluders.is_empty() && contents.lamps.is_empty();
-        let receiver = room.receiver().filter(|receiver| alone && !room.has_optics() && receiver.texture().is_none())?;
+        let receiver =
+            room.receiver().filter(|receiver| alone && !room.has_optics() && receiver.texture().is_none())?;
         let (pair, center, normal, along) = opposite(receiver.shape(), other.shape())?;
         let albedos = [receiver.albedo().map_or(0.0, |albedo| albedo.ratio()), other.albedo().ratio()];
         let exitances = [0.0, other.exitance().watts_per_square_metre()];
         let (all, direct) = (pair.solve(albedos, exitances)?, pair.solve([0.0; 2], exitances)?);
-        let most = |solved: &Solved, which: Which| -> Option<f64> {
-            let found: Option<Vec<f64>> =
-                pair.places(which).into_iter().map(|at| Some(solved.irradiance(which, at)?.value)).collect();
+        let most = |which: Which, value: &dyn Fn([f64; 2]) -> Option<f64>| -> Option<f64> {
+            let found: Option<Vec<f64>> = pair.places(which).into_iter().map(value).collect();
             Some(SAFELY * found?.into_iter().fold(0.0, f64::max))
         };
+        let value =
+            |solved: &Solved, which: Which, at: [f64; 2]| solved.irradiance(which, at).map(|found| found.value);
         // M (2B − M) of the other surface; the receiver emits nothing.
         let [_, m] = exitances;
-        let radiosity = m + albedos[1] * most(&all, Which::Second)?;
+        let radiosity = m + albedos[1] * most(Which::Second, &|at| value(&all, Which::Second, at))?;
         let met = [0.0, m * (2.0 * radiosity - m)];
         let squares = [pair.solve(albedos, met)?, pair.solve([0.0; 2], met)?];
         // On the receiver: one shadow ray brings M A/(π h²) at most, straight across the gap.
         let brightest = m * pair.areas()[1] / (std::f64::consts::PI * pair.gap() * pair.gap());
-        let straight = most(&direct, Which::First)?;
-        let after = most(&all, Which::First)?;
+        let first = Which::First;
+        let straight = most(first, &|at| value(&direct, first, at))?;
+        let after = most(first, &|at| Some(value(&all, first, at)? - value(&direct, first, at)?))?;
         let answer = brightest * straight + 2.0 * straight * after;
         let asked = pair.solve(albedos, [albedos[0] * answer, 0.0])?;
         Some(Between { pair, center, normal, along, albedos, exitances, all, direct, squares, asked })
@@ -134,8 +137,7 @@ impl Between {
 
     pub fn at(&self, point: &MeasurementPoint) -> Arriving {
         let Some(place) = self.place(point) else { return Arriving::default() };
-        let (all, direct) =
-            (self.all.irradiance(Which::First, place), self.direct.irradiance(Which::First, place));
+        let (all, direct) = (self.all.irradiance(Which::First, place), self.direct.irradiance(Which::First, place));
         let (Some(all), Some(direct)) = (all, direct) else { return Arriving::default() };
         let indirect = Bounded { value: (all.value - direct.value).max(0.0), bound: all.bound + direct.bound };
         Arriving {
@@ -152,7 +154,11 @@ impl Between {
         if self.albedos[0] * self.exitances[1] == 0.0 {
             return Some(0.0);
         }
-        if next_event { at(&self.asked) } else { Some(at(&self.squares[0])? - self.squares[1].irradiance(Which::First, place)?.value) }
+        if next_event {
+            at(&self.asked)
+        } else {
+            Some(at(&self.squares[0])? - self.squares[1].irradiance(Which::First, place)?.value)
+        }
     }
 }
 

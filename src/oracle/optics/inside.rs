@@ -102,18 +102,29 @@ impl Inside {
         if self.lamps.is_empty() { Way::Total } else { Way::Indirect }
     }
 
-    pub fn largest_mean_square(&self, next_event: bool) -> f64 {
+    /// `None` for lamps without shadow rays, which are never met.
+    pub fn largest_mean_square(&self, next_event: bool, point: &MeasurementPoint) -> Option<f64> {
         let (m, lost, again) = (self.exitance, 1.0 - self.albedo, self.sent_back());
         if self.lamps.is_empty() {
-            // One shadow ray brings M or, where glass stands before the wall, nothing: with a share v of the latter's
-            // opposite, and by chance through the glass the rest, the two have a mean square of M² (1 + 2v (1 − v)).
+            // One shadow ray from the wall brings M or, where glass or a mirror stands before the rest of it, nothing. Of a
+            // share v it is M; the path comes upon the others by chance, with what is left of the shares, 1 − v. The mean
+            // square of both together is M² (1 + 2v (1 − v)).
             let of_straight = if next_event && self.has_optics { 1.5 * m * m } else { m * m };
-            return (of_straight + 2.0 * m * again) / lost;
+            let at_wall = (of_straight + 2.0 * m * again) / lost;
+            if !next_event || self.is_at_wall(point) {
+                return Some(at_wall);
+            }
+            // In the air a shadow ray brings M 4R²/r² at most, r being the nearest that the wall can be.
+            let radius = self.sphere.radius();
+            let nearest = radius - (point.position() - self.sphere.center()).length();
+            let brightest = 4.0 * m * (radius / nearest) * (radius / nearest);
+            return Some(m * (brightest + 2.0 * again) + self.albedo * at_wall);
         }
-        // By lamps, shadow rays alone find something; they are right on their own.
-        let brightest = self.exitance + self.lamps.iter().map(|lamp| self.brightest(lamp)).sum::<f64>();
-        let mean = self.mean_direct();
-        self.albedo * mean * (brightest + 2.0 * again) / lost
+        if !next_event {
+            return None;
+        }
+        let brightest = m + self.lamps.iter().map(|lamp| self.brightest(lamp)).sum::<f64>();
+        Some(self.albedo * self.mean_direct() * (brightest + 2.0 * again) / lost)
     }
 
     /// The most that a lamp brings to the wall, W/m².

@@ -63,7 +63,7 @@ pub use layout::{CausticLayout, power_by_flat_mirror};
 pub use mirror::{MirrorOracle, MirrorTruth, PlaneMirror};
 pub use rectangles::FacingRectangles;
 pub use room::{Arriving, RoomLight, Way};
-pub use shade::power_by_lampshade;
+pub use shade::{power_by_lampshade, power_through_two_spheres};
 
 /// A number and what it is off by at most.
 ///

@@ -145,7 +145,7 @@ impl RoomLight {
     pub fn largest_mean_square(&self, next_event: bool, point: &MeasurementPoint) -> Option<f64> {
         match &self.kind {
             Kind::Unknown | Kind::Plain => None,
-            Kind::Inside(inside) => Some(inside.largest_mean_square(next_event)),
+            Kind::Inside(inside) => inside.largest_mean_square(next_event, point),
             Kind::Between(between) => between.largest_mean_square(next_event, point),
             Kind::Shade(shade) => shade.largest_mean_square(next_event, point),
             // Found or not.
@@ -213,11 +213,13 @@ mod tests {
     #[test]
     fn a_wall_absorbs_what_a_lamp_gives_out() {
         let lamp = PointSource::new(DVec3::Z * 0.8, Flux::new(30.0)).unwrap();
-        let light =
-            room(Contents { diffuse: vec![enclosure(0.6, 0.0)], lamps: vec![Lamp::Point(lamp)], ..Contents::default() });
-        let halves = [-0.5, 0.5].map(|middle| {
-            crate::number::gauss_10(middle, 0.5, |z| light.at(&at_wall(z)).total.unwrap().value)
+        let light = room(Contents {
+            diffuse: vec![enclosure(0.6, 0.0)],
+            lamps: vec![Lamp::Point(lamp)],
+            ..Contents::default()
         });
+        let halves = [-0.5, 0.5]
+            .map(|middle| crate::number::gauss_10(middle, 0.5, |z| light.at(&at_wall(z)).total.unwrap().value));
         let absorbed = 0.4 * 0.5 * (halves[0] + halves[1]) * 4.0 * PI * 4.0;
         assert_relative_eq!(absorbed, 30.0, max_relative = 1e-6);
         // In the air the closed form does not hold.

@@ -2,11 +2,11 @@
 
 use super::room::Arriving;
 use super::{Bounded, Lampshade};
-use crate::configuration::{Arrangement, Configuration, Lamp, MeasurementPoint, ReceiverShape, Source};
+use crate::configuration::{Arrangement, Configuration, GlassShape, Lamp, MeasurementPoint, ReceiverShape, Source};
 use crate::geometry::Shape;
 use crate::oracle::exact::Oracle;
 use crate::oracle::patch::{Patch, Tolerance, average_irradiance};
-use crate::radiometry::Exitance;
+use crate::radiometry::{Exitance, SolidAngle};
 
 /// The room as a [`Lampshade`], with what stands in its light.
 #[derive(Clone, Debug)]
@@ -80,4 +80,21 @@ pub fn power_by_lampshade(room: &Configuration) -> Option<Bounded> {
     let found = average_irradiance(&Oracle::new(&lit), &patch, Tolerance::relative(1e-9));
     let [value, bound] = [found.irradiance, found.bound].map(|x| x.watts_per_square_metre() * patch.area());
     (is_centred && bound.is_finite()).then_some(Bounded { value, bound })
+}
+
+/// What a point source sends through a sphere of index 1 around it to the wall of an enclosure, W: all of it, whatever the
+/// radii and wherever the source is. `None` for any other room.
+///
+/// - source: a sphere fills 4π as seen from any place in it ([`crate::radiometry::PointSource::flux_into`])
+pub fn power_through_two_spheres(room: &Configuration) -> Option<Bounded> {
+    let ([wall], [Lamp::Point(lamp)], [inner]) = (room.diffuse(), room.lamps(), room.glass()) else { return None };
+    let GlassShape::Sphere(ball) = inner.shape() else { return None };
+    let alone = room.sources().is_empty()
+        && room.occluders().is_empty()
+        && room.mirrors().is_empty()
+        && room.receiver().is_none();
+    let is_around = lamp.position().distance(ball.center()) < ball.radius();
+    let fits = alone && wall.is_enclosure() && inner.ior() == 1.0 && is_around;
+    let all = SolidAngle::new(4.0 * std::f64::consts::PI);
+    fits.then(|| Bounded::rounded(lamp.flux_into(all).watts()))
 }
