@@ -110,6 +110,7 @@ indirect: paths from the eye find the light that takes bends.
   variance    not predicted but bounded: the mean square S of a path obeys the equation of its mean,
               S = K[M (2B - M) + albedo S]; the gate takes any variance from above, and the verdict leans on it
   pass        `seen from 0.9 / 6 %`: as in `explain verdict`
+              (of caustics ten times coarser than the case asks in the mean, five times at a point)
   length      no limit but by roulette; a path that met the guard (4096 reflections) makes the verdict undecided
 
 What it does not say: nothing of rooms that are not in the list; they are shown in paths.csv, not judged. The

@@ -7,7 +7,7 @@ use super::column::{Column, Field, MoreColumns, MoreDescribed, Table};
 use super::tables::column;
 use crate::configuration::MeasurementPoint;
 use crate::oracle::optics::{Arriving, Bounded};
-use crate::oracle::{Derivatives, Parameter, Truth};
+use crate::oracle::{Derivatives, Method, Parameter, Truth};
 use crate::radiometry::Albedo;
 
 /// A case whose exact values are known.
@@ -153,7 +153,9 @@ pub(super) fn exact<'a>() -> Table<ExactRow<'a>> {
             column!("error_bound", "W/m²", "the irradiance is off by no more than this", |r| Field::Digits17(
                 r.all().bound
             )),
-            column!("method", "", "`closed-form` or `quadrature`", |r| r.truth.method.name()),
+            column!("method", "", "`closed-form` or `quadrature`", |r| {
+                if r.arriving.by_quadrature { Method::Quadrature.name() } else { r.truth.method.name() }
+            }),
         ],
         more: &[
             MoreDescribed {

@@ -145,6 +145,7 @@ impl Between {
             caustic: Some(Bounded::default()),
             indirect: Some(indirect),
             total: Some(all),
+            by_quadrature: true,
         }
     }
 

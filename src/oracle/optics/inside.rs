@@ -95,7 +95,13 @@ impl Inside {
         if self.has_optics {
             return Arriving { total, ..Arriving::default() };
         }
-        Arriving { direct: rounded(direct), caustic: rounded(0.0), indirect: rounded(sent_back), total }
+        Arriving {
+            direct: rounded(direct),
+            caustic: rounded(0.0),
+            indirect: rounded(sent_back),
+            total,
+            by_quadrature: false,
+        }
     }
 
     pub fn judged(&self) -> Way {

@@ -29,6 +29,8 @@ pub struct Arriving {
     pub indirect: Option<Bounded>,
     /// All of it.
     pub total: Option<Bounded>,
+    /// Whether quadrature took part in any of these.
+    pub by_quadrature: bool,
 }
 
 impl Arriving {

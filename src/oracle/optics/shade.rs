@@ -6,6 +6,7 @@ use crate::configuration::{Arrangement, Configuration, GlassShape, Lamp, Measure
 use crate::geometry::Shape;
 use crate::oracle::exact::Oracle;
 use crate::oracle::patch::{Patch, Tolerance, average_irradiance};
+use crate::oracle::truth::Method;
 use crate::radiometry::{Exitance, SolidAngle};
 
 /// The room as a [`Lampshade`], with what stands in its light.
@@ -40,7 +41,8 @@ impl Shade {
         let [value, bound] = [truth.irradiance, truth.bound].map(|x| x.watts_per_square_metre());
         let indirect = Some(Bounded { value, bound });
         let nought = Some(Bounded::default());
-        Arriving { direct: nought, caustic: nought, indirect, total: indirect }
+        let by_quadrature = truth.method == Method::Quadrature;
+        Arriving { direct: nought, caustic: nought, indirect, total: indirect, by_quadrature }
     }
 
     /// Only shadow rays find a bulb.
