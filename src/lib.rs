@@ -58,6 +58,7 @@
 //! | [`oracle`] | **truth**: exact irradiance with a bound on its error |
 //! | [`sampling`], [`scene`], [`estimator`] | **measurement**: streams and strategies, what blocks a ray, the estimator |
 //! | [`light`] | rays from the light: caustic maps, and the ledger of every watt |
+//! | [`path`] | paths from the eye: light that goes to and fro between diffuse surfaces |
 //! | [`case`] | case files; the shipped cases |
 //! | [`trial`] | a run: pilot, plan, measurement, judgement, where truth and measurement meet |
 //! | [`guest`] | others, judged: a sampler or estimator in code, a program behind a pipe, files of estimates and points |
@@ -105,6 +106,7 @@ pub mod guest;
 pub mod light;
 mod number;
 pub mod oracle;
+pub mod path;
 pub mod radiometry;
 pub mod report;
 pub mod sampling;

@@ -50,7 +50,7 @@ pub use error::{CaseError, CaseErrors, MeshFileFault, Mistake};
 pub use place::Place;
 pub use render::Ink;
 pub use select::{SelectError, Unmatched, select};
-pub use shipped::{Shipped, shipped, shipped_caustics, shipped_direct};
+pub use shipped::{Shipped, shipped, shipped_caustics, shipped_direct, shipped_interreflections};
 #[cfg(feature = "cli")]
 pub(crate) use spelling::nearest;
 pub use study::{Accepted, PROPERTIES, Replicates, SmallestBias, Study};

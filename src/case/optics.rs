@@ -256,7 +256,8 @@ pub(super) fn diffuse(role: &Node, log: &mut Log) -> Placed<DiffuseSurface> {
             other => unreachable!("the schema names a diffuse {other} that nothing reads"),
         };
         let albedo = node.number(&schema::DIFFUSE_ALBEDO, log).map(Albedo::new);
-        let optional = |key: &Key, log: &mut Log| if node.has(key) { node.number(key, log) } else { Some(0.0) };
+        let has = |key: &Key| node.schema.keys.iter().any(|known| known.name == key.name) && node.has(key);
+        let optional = |key: &Key, log: &mut Log| if has(key) { node.number(key, log) } else { Some(0.0) };
         let exitance = optional(&schema::DIFFUSE_EXITANCE, log).map(Exitance::new);
         let inward = if node.has(&schema::INWARD) { node.flag(&schema::INWARD, log) } else { Some(false) };
         // Each number is examined, whatever the others are.
@@ -266,6 +267,8 @@ pub(super) fn diffuse(role: &Node, log: &mut Log) -> Placed<DiffuseSurface> {
         judged(reflects, node, &schema::DIFFUSE_ALBEDO, log)?;
         let emits = DiffuseSurface::new(stand_in, none, exitance.unwrap_or(dark), false);
         judged(emits, node, &schema::DIFFUSE_EXITANCE, log)?;
-        judged(DiffuseSurface::new(shape?, albedo?, exitance?, inward?), node, &schema::INWARD, log)
+        let transmittance = optional(&schema::TRANSMITTANCE, log);
+        let made = judged(DiffuseSurface::new(shape?, albedo?, exitance?, inward?), node, &schema::INWARD, log)?;
+        judged(made.translucent(transmittance?), node, &schema::TRANSMITTANCE, log)
     })
 }

@@ -528,6 +528,14 @@ pub const INWARD: Key = key(
     Need::Default("false"),
     "Whether the inside is the diffuse side: an enclosure, around everything else.",
 );
+pub const TRANSMITTANCE: Key = key(
+    "transmittance",
+    Value::Number,
+    "",
+    Need::Default("0.0"),
+    "Of an inward sphere that emits nothing: share of the arriving power that comes out on the other side, diffusely, as \
+     of a lampshade, which encloses nothing; at most 1 with the albedo, and the outside sends nothing back.",
+);
 
 /// Further diffuse surfaces.
 pub const DIFFUSES: Table = Table {
@@ -545,8 +553,10 @@ pub const DIFFUSE_DISK: Table =
     Table { path: "diffuse.disk", keys: &[CENTER, NORMAL, RADIUS, DIFFUSE_ALBEDO, DIFFUSE_EXITANCE] };
 pub const DIFFUSE_TRIANGLE: Table =
     Table { path: "diffuse.triangle", keys: &[VERTICES, DIFFUSE_ALBEDO, DIFFUSE_EXITANCE] };
-pub const DIFFUSE_SPHERE: Table =
-    Table { path: "diffuse.sphere", keys: &[CENTER, RADIUS, DIFFUSE_ALBEDO, DIFFUSE_EXITANCE, INWARD] };
+pub const DIFFUSE_SPHERE: Table = Table {
+    path: "diffuse.sphere",
+    keys: &[CENTER, RADIUS, DIFFUSE_ALBEDO, DIFFUSE_EXITANCE, INWARD, TRANSMITTANCE],
+};
 
 pub const RAYS: Key =
     key("rays", Value::Count, "", Need::Default("1000000"), "Rays that leave the sources, at least; 1 or more.");

@@ -31,6 +31,14 @@ static FILES: &[(&str, &[u8])] = embedded![
     "direct/triangle-source.toml",
     "direct/turning-patch.toml",
     "direct/two-sources.toml",
+    "interreflection/coaxial-disks.toml",
+    "interreflection/facing-plates.toml",
+    "interreflection/furnace.toml",
+    "interreflection/furnace-with-glass.toml",
+    "interreflection/lampshade.toml",
+    "interreflection/lampshade-off-middle.toml",
+    "interreflection/lit-sphere.toml",
+    "interreflection/two-spheres.toml",
     "penumbra/annular-eclipse.toml",
     "penumbra/contact-shadow.toml",
     "penumbra/disk-17-rings.obj",
@@ -84,16 +92,21 @@ impl Shipped {
 }
 
 /// The chapters whose light takes a bend: rays from the light measure them, and a run of the estimators does not.
-const BENT: [&str; 1] = ["caustic/"];
+const BENT: [&str; 2] = ["caustic/", "interreflection/"];
 
 /// The shipped cases that the estimators of direct light measure, sorted by name.
 pub fn shipped_direct() -> impl Iterator<Item = Shipped> {
     shipped().filter(|case| !BENT.iter().any(|chapter| case.path.starts_with(chapter)))
 }
 
-/// The shipped cases whose light takes a bend ([`crate::light`]), sorted by name.
+/// The shipped cases of mirrors and glass ([`crate::light`]), sorted by name.
 pub fn shipped_caustics() -> impl Iterator<Item = Shipped> {
-    shipped().filter(|case| BENT.iter().any(|chapter| case.path.starts_with(chapter)))
+    shipped().filter(|case| case.path.starts_with(BENT[0]))
+}
+
+/// The shipped cases of surfaces that light each other ([`crate::path`]), sorted by name.
+pub fn shipped_interreflections() -> impl Iterator<Item = Shipped> {
+    shipped().filter(|case| case.path.starts_with(BENT[1]))
 }
 
 /// All shipped cases, sorted by name.

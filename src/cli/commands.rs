@@ -10,6 +10,7 @@ use super::options::{Calibrate, Check, Exact, Explain, List, Plan, Run};
 use super::progress::{Bar, RunBar};
 use crate::calibration;
 use crate::case::{self, Case, Ink, SelectError};
+use crate::oracle::optics::{Arriving, RoomLight};
 use crate::oracle::{self, Derivatives, Oracle, Truth};
 use crate::report::{self, ExactCase, LimitsCase, ReportOptions, TableOptions};
 use crate::sampling::Strategy;
@@ -231,11 +232,19 @@ fn exact_to_end(options: &Exact) -> Result<(), u8> {
         derivatives.push(found);
     }
     let albedos: Vec<_> = cases.iter().map(|case| case.configuration.albedos()).collect();
+    let arriving: Vec<Vec<Arriving>> = cases
+        .iter()
+        .map(|case| {
+            let light = RoomLight::new(&case.configuration);
+            case.configuration.points().iter().map(|point| light.at(point)).collect()
+        })
+        .collect();
     let rows = cases.iter().zip(&truths).enumerate().map(|(i, (case, truths))| ExactCase {
         name: &case.name,
         albedos: albedos[i].as_deref(),
         points: case.configuration.points(),
         truths,
+        arriving: &arriving[i],
         derivatives: derivatives.get(i).map_or(&[], Vec::as_slice),
     });
     let mut text = Vec::new();

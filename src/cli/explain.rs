@@ -100,6 +100,61 @@ What it does not say: nothing of other orders (reflections off the glass), of ma
 the caustic itself, where the irradiance has no bound and only rings have a flux.
 ";
 
+const INDIRECT: &str = "\
+indirect: paths from the eye find the light that takes bends.
+
+  estimators  eye_paths   directions with density cos/pi, weights of albedo, then roulette; sources met by chance
+              next_event  every diffuse surface on the way also sends one shadow ray to each source; what is then
+                          met by chance counts only behind mirrors or glass
+  known       a furnace, M/(1 - albedo) everywhere, also behind glass in it; a lamp in a grey sphere, whose wall sends
+              back albedo/(1 - albedo) P/(4 pi R2) everywhere alike; two disks or equal rectangles face to face, the
+              radiosity equation at Gauss's nodes; an area source in one flat mirror; a bulb in a shade
+  statement   each path finds the exact value in the mean, at every point and on average over the points
+  variance    not predicted but bounded: the mean square S of a path obeys the equation of its mean,
+              S = K[M (2B - M) + albedo S]; the gate takes any variance from above, and the verdict leans on it
+  pass        `seen from 0.9 / 6 %`: as in `explain verdict`
+              (of caustics ten times coarser than the case asks in the mean, five times at a point)
+  length      no limit but by roulette; a path that met the guard (4096 reflections) makes the verdict undecided
+
+What it does not say: nothing of rooms that are not in the list; they are shown in paths.csv, not judged. The
+strategies measure direct light alone.
+
+Why caustics have a map: the share of eye paths that come upon a source is in paths.csv (nought for lamps without
+extent, whatever N), and variance x time of both in timings.csv (caustic_by_eye_paths, caustic_by_map).
+";
+
+const POINT_SOURCE: &str = "\
+point-source: does brightness depend on distance?
+
+A lamp of power P stands in two spheres of radii r < R. Were its \"brightness\" the same at every distance, the outer
+sphere, (R/r)^2 times as large, would take (R/r)^2 times the power of the inner one: more than the lamp gives out. What
+does not depend on distance is the power through either,
+
+  4 pi r^2 x P/(4 pi r^2)  =  P  =  4 pi R^2 x P/(4 pi R^2),    ratio 1
+
+so that irradiance falls with the square of the distance: E = I cos/d^2, I = P/(4 pi). Wherever the lamp stands in the
+spheres, as long as it is in both, they fill all 4 pi of its directions.
+
+  booked      case interreflection/two-spheres: r = 0.5 m, R = 2 m, the lamp off the middle. The inner sphere is glass of
+              index 1: rays that have come through it are of order 1. caustic.csv holds what of them arrived outside
+              (all), energy.csv every watt; the wrong law would need 16 times as much
+  radiance    the brightness that eye and camera see, W/(m2 sr), does not fall with distance, for a source with extent:
+              its image shrinks as its irradiance does. A point has no extent, and no radiance.
+";
+
+const LAMPSHADE: &str = "\
+lampshade: a bulb in a shell that scatters what it lets through is a source with area.
+
+  glow        M(n) = tau [ I (R - a.n)/d^3 + rho/(1 - rho) I/R^2 ], n the outward normal, a the bulb's place from the
+              middle, d its distance from the shell there; tau let through, rho sent back inside, both diffusely
+  power       P tau/(1 - rho) comes out, wherever the bulb hangs
+  judged      paths from the points (`indirect`), and where the bulb is in the middle rays from the bulb, over the whole
+              receiver (`caustic`, order 0)
+  case        [[diffuse.sphere]] inward = true, transmittance = tau, albedo = rho, around a [[source.point]]
+
+What it does not say: the receiver has to be black, so that no light comes back to the shell.
+";
+
 const COVARIANCE: &str = "\
 covariance: errors of different points move together as predicted.
 
@@ -213,7 +268,7 @@ pilot's estimates again with other seeds.
 What a pass does not say: nothing beyond `etendue explain verdict`; and nothing of the variance, which is not judged.
 ";
 
-const TOPICS: [(&str, &str, &str); 11] = [
+const TOPICS: [(&str, &str, &str); 14] = [
     ("verdict", "pass, fail, undecided: what they promise", VERDICT),
     ("bias", "the mean estimate is the exact irradiance", BIAS),
     ("variance", "errors are as large as predicted", VARIANCE),
@@ -221,6 +276,9 @@ const TOPICS: [(&str, &str, &str); 11] = [
     ("judge", "your own sampler, estimator, program or file", JUDGE),
     ("energy", "every watt that left a source is booked", ENERGY),
     ("caustic", "rings of a caustic get the flux that is due", CAUSTIC),
+    ("indirect", "paths from the eye find what mirrors, glass and walls send on", INDIRECT),
+    ("point-source", "power through two spheres: what depends on distance", POINT_SOURCE),
+    ("lampshade", "a bulb in a scattering shell as a source with area", LAMPSHADE),
     ("rate", "slopes of log variance over log N", RATE),
     ("correlation", "errors of two points against their distance", CORRELATION),
     ("texture", "exitance and albedo from pictures, chessboards, polynomials", TEXTURE),

@@ -142,6 +142,10 @@ impl Content {
             self.number(surface.albedo().ratio());
             self.number(surface.exitance().watts_per_square_metre());
             self.count(usize::from(surface.is_inward()));
+            if surface.transmittance() > 0.0 {
+                self.tag("shade");
+                self.number(surface.transmittance());
+            }
         }
     }
     fn sphere(&mut self, s: &Sphere) {

@@ -209,7 +209,7 @@ impl Configuration {
             return Err(mistakes);
         }
         let emits = |surface: &&DiffuseSurface| surface.exitance().watts_per_square_metre() > 0.0;
-        let outward = || contents.diffuse.iter().filter(|surface| !surface.is_inward());
+        let outward = || contents.diffuse.iter().filter(|surface| !surface.is_enclosure());
         let of_diffuse = outward().filter(emits).map(|surface| Source {
             shape: surface.as_shape(),
             exitance: surface.exitance(),

@@ -31,6 +31,12 @@ pub enum ConfigurationError {
     #[error("inward is true of a flat shape; only a sphere can be an enclosure")]
     InwardFlat,
     #[error(
+        "transmittance is {said} beside an albedo of {albedo}; shares are zero or greater, both together at most 1, and the albedo of a shade is below 1"
+    )]
+    Transmittance { said: f64, albedo: f64 },
+    #[error("only a sphere with inward = true that emits nothing lets light through")]
+    NoShade,
+    #[error(
         "glass {first} and glass {second} (counted from 0, in the order of the file) cut into each other; pieces of glass stand apart"
     )]
     GlassOverlap { first: usize, second: usize },
@@ -118,7 +124,7 @@ fn surfaces_of_optics(room: &Contents) -> impl Iterator<Item = (&'static str, us
     let mirrors = room.mirrors.iter().enumerate().flat_map(move |(i, m)| flat("mirror", i, m.shape().outline()));
     let glass = room.glass.iter().enumerate().flat_map(move |(i, g)| flat("glass", i, g.shape().outline()));
     // Points on the inside of an enclosure are what enclosures are for.
-    let diffuse = room.diffuse.iter().enumerate().filter(|(_, surface)| !surface.is_inward());
+    let diffuse = room.diffuse.iter().enumerate().filter(|(_, surface)| !surface.is_enclosure());
     mirrors.chain(glass).chain(diffuse.map(|(i, surface)| ("diffuse", i, surface.as_shape())))
 }
 
@@ -137,7 +143,7 @@ type Balls = Vec<(DVec3, f64)>;
 
 /// Whatever reaches out of an enclosure.
 fn outside_enclosures(room: &Contents, found: &mut Vec<ConfigurationError>) {
-    for enclosure in room.diffuse.iter().filter(|surface| surface.is_inward()) {
+    for enclosure in room.diffuse.iter().filter(|surface| surface.is_enclosure()) {
         // A flat receiver's or a mesh's bounding sphere may be larger than the enclosure: then its corners decide.
         let mut balls: Vec<(&'static str, usize, Balls)> = Vec::new();
         let shapes = room.sources.iter().map(|source| source.shape()).enumerate().map(|(i, s)| ("source", i, s));

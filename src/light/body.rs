@@ -31,7 +31,7 @@ pub(super) enum Body {
 
 /// A face of a body: of a ball 0; of a lens 0 (curved) or 1 (flat); of a box 2k for the face against the k-th normal, 2k + 1
 /// for the one along it.
-pub(super) type Part = u8;
+pub(crate) type Part = u8;
 
 impl Body {
     pub fn new(shape: &GlassShape) -> Body {

@@ -6,7 +6,7 @@ use super::map::Landing;
 use super::room::{Met, Role, Room, Start};
 use super::settings::{LightSettings, Rings, Split};
 use super::tally::Tally;
-use crate::geometry::{DVec3, TexelGrid};
+use crate::geometry::{DVec3, Frame, TexelGrid};
 
 /// A branch that carries less than this share of its ray's first flux splits no further: one part is chosen.
 const FAINT: f64 = 1.0 / 1024.0;
@@ -18,7 +18,7 @@ const STRAIGHT: f64 = 1e-16;
 
 /// A packet of flux on its way.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Ray {
+pub(crate) struct Ray {
     pub from: DVec3,
     /// Unit vector.
     pub direction: DVec3,
@@ -31,7 +31,7 @@ pub(super) struct Ray {
     /// Unit normal of the plane of incidence; nought before there was one.
     plane: DVec3,
     /// Interactions so far.
-    order: usize,
+    pub order: usize,
 }
 
 impl Ray {
@@ -40,13 +40,26 @@ impl Ray {
         Ray { from, direction, start, medium, s: 0.5 * flux, p: 0.5 * flux, plane: DVec3::ZERO, order: 0 }
     }
     #[inline]
-    fn flux(&self) -> f64 {
+    pub fn flux(&self) -> f64 {
         self.s + self.p
     }
 }
 
+/// Where a chain of mirrors and glass ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum End {
+    /// Met nothing any more.
+    Escaped,
+    /// At an occluding mesh.
+    Mesh,
+    /// At a surface that is no mirror, at a place of it.
+    Surface { surface: usize, at: DVec3 },
+    /// At the limit of interactions.
+    Terminated,
+}
+
 /// What all chains of a run share.
-pub(super) struct Tracer<'a> {
+pub(crate) struct Tracer<'a> {
     pub room: &'a Room,
     pub landings: &'a [Landing],
     pub depth: usize,
@@ -80,7 +93,7 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    /// To the next meeting: the ray that goes on from there, if one does.
+    /// To the next meeting: the ray that goes on from there, if one does; what ends is booked.
     #[inline]
     fn step(
         &self,
@@ -90,22 +103,12 @@ impl<'a> Tracer<'a> {
         draws: &mut Draws,
         tally: &mut Tally,
     ) -> Option<Ray> {
-        let (distance, met) = self.room.nearest(ray.from, ray.direction, ray.start, ray.medium);
-        let at = ray.from + ray.direction * distance;
-        match met {
-            Met::Nothing => {
-                tally.escaped += ray.flux();
-                None
-            }
-            Met::Mesh => {
-                tally.absorbed += ray.flux();
-                None
-            }
-            Met::Face(surface) => match self.room.role(surface) {
-                Role::Absorbs => {
-                    tally.absorbed += ray.flux();
-                    None
-                }
+        match self.advance(ray, faint, branches, draws, tally) {
+            Ok(next) => return next,
+            Err(End::Escaped) => tally.escaped += ray.flux(),
+            Err(End::Mesh) => tally.absorbed += ray.flux(),
+            Err(End::Terminated) => tally.terminated += ray.flux(),
+            Err(End::Surface { surface, at }) => match self.room.role(surface) {
                 Role::Receives { map, inward } => {
                     let cosine = -ray.direction.dot(self.room.normal(surface, at));
                     if (cosine > 0.0) == inward {
@@ -113,15 +116,51 @@ impl<'a> Tracer<'a> {
                     } else {
                         self.land(&ray, map, at, tally);
                     }
-                    None
                 }
-                Role::Reflects { optic, reflectance } => self.mirror(ray, surface, at, optic, reflectance, tally),
+                Role::Scatters { albedo, transmittance } => {
+                    let outward = self.room.normal(surface, at);
+                    let Some(direction) = scattered(ray.direction, outward, albedo, transmittance, draws) else {
+                        tally.absorbed += ray.flux();
+                        return None;
+                    };
+                    let on = Ray::new(at, direction, Start::Face(surface), ray.medium, ray.flux());
+                    return Some(Ray { order: ray.order, ..on });
+                }
+                Role::Absorbs | Role::Reflects { .. } => tally.absorbed += ray.flux(),
+            },
+        }
+        None
+    }
+
+    /// To the next meeting: the ray that goes on by mirror or glass (none from a black mirror), or where it ends.
+    #[inline]
+    pub fn advance(
+        &self,
+        ray: Ray,
+        faint: f64,
+        branches: &mut Vec<Ray>,
+        draws: &mut Draws,
+        tally: &mut Tally,
+    ) -> Result<Option<Ray>, End> {
+        let (distance, met) = self.room.nearest(ray.from, ray.direction, ray.start, ray.medium);
+        let at = ray.from + ray.direction * distance;
+        match met {
+            Met::Nothing => Err(End::Escaped),
+            Met::Mesh => Err(End::Mesh),
+            Met::Face(surface) => match self.room.role(surface) {
+                Role::Reflects { optic, reflectance } => {
+                    tally.reached[optic] += 1;
+                    if ray.order == self.depth {
+                        return Err(End::Terminated);
+                    }
+                    Ok(self.mirror(ray, surface, at, reflectance, tally))
+                }
+                _ => Err(End::Surface { surface, at }),
             },
             Met::Glass(glass, part) => {
                 tally.reached[self.room.optic_of_glass(glass)] += 1;
                 if ray.order == self.depth {
-                    tally.terminated += ray.flux();
-                    return None;
+                    return Err(End::Terminated);
                 }
                 let mut normal = self.room.glass_normal(glass, part, at);
                 let (mut from, mut into) = (1.0, self.room.ior(glass));
@@ -137,7 +176,7 @@ impl<'a> Tracer<'a> {
                 };
                 let face = Interface::meet(ray.direction, normal, from, into);
                 let through = if leaves { None } else { Some(glass) };
-                self.split(arrived, face, normal, through, faint, branches, draws)
+                Ok(self.split(arrived, face, normal, through, faint, branches, draws))
             }
         }
     }
@@ -159,20 +198,7 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    fn mirror(
-        &self,
-        ray: Ray,
-        surface: usize,
-        at: DVec3,
-        optic: usize,
-        reflectance: f64,
-        tally: &mut Tally,
-    ) -> Option<Ray> {
-        tally.reached[optic] += 1;
-        if ray.order == self.depth {
-            tally.terminated += ray.flux();
-            return None;
-        }
+    fn mirror(&self, ray: Ray, surface: usize, at: DVec3, reflectance: f64, tally: &mut Tally) -> Option<Ray> {
         let normal = self.room.normal(surface, at);
         let (s, p) = (ray.s * reflectance, ray.p * reflectance);
         tally.absorbed += ray.flux() - (s + p);
@@ -240,5 +266,37 @@ impl<'a> Tracer<'a> {
             let s = (ray.s - s) * scale;
             Some(on(s, flux - s))
         }
+    }
+}
+
+/// A direction of a surface element, weighed by the cosine: a uniform point of the unit disk, lifted onto the hemisphere.
+#[inline]
+pub(crate) fn cosine_direction(normal: DVec3, draws: &mut Draws) -> DVec3 {
+    let frame = Frame::around(normal);
+    let (x, y) = draws.disk();
+    let height = (1.0 - (x * x + y * y)).max(0.0).sqrt();
+    frame.tangent * x + frame.bitangent * y + normal * height
+}
+
+/// Where a shade sends a packet: out on the other side with a probability of the transmittance, back with that of the
+/// albedo (its outside sends nothing back), diffusely; else nowhere.
+///
+/// - `outward`: unit normal
+pub(crate) fn scattered(
+    direction: DVec3,
+    outward: DVec3,
+    albedo: f64,
+    transmittance: f64,
+    draws: &mut Draws,
+) -> Option<DVec3> {
+    let from_inside = direction.dot(outward) > 0.0;
+    let beyond = if from_inside { outward } else { -outward };
+    let chosen = draws.unit();
+    if chosen < transmittance {
+        Some(cosine_direction(beyond, draws))
+    } else if from_inside && chosen < transmittance + albedo {
+        Some(cosine_direction(-outward, draws))
+    } else {
+        None
     }
 }

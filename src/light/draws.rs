@@ -4,7 +4,7 @@ use crate::geometry::DVec3;
 use crate::sampling::{LANES, Lanes, Squares, StreamKey, Surface, SurfaceBlock};
 
 /// The numbers of one key, lane after lane.
-pub(super) struct Draws {
+pub(crate) struct Draws {
     lanes: Lanes,
     drawn: [f64; LANES],
     next: usize,

@@ -10,7 +10,7 @@ use crate::radiometry::{Albedo, Irradiance, Radiosity};
 
 /// A diffuse surface as rays land on it.
 #[derive(Clone, Debug)]
-pub(super) struct Landing {
+pub(crate) struct Landing {
     pub parametrisation: Parametrisation,
     pub grid: TexelGrid,
     /// Texels of the maps before this one.

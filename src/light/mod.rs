@@ -34,7 +34,8 @@
 //! - Smooth mirrors of one reflectance, both sides; clear convex glass by Snell and Fresnel. s and p are carried apart as
 //!   long as a path stays in one plane of incidence; where it leaves it, it goes on unpolarised, and
 //!   [`LightRun::depolarised`] counts how often.
-//! - A packet stops at the first diffuse surface. What a diffuse surface sends on is not followed.
+//! - A packet stops at the first diffuse surface. What a diffuse surface sends on is not followed, but for shades: spheres
+//!   that let a share through, scattered.
 //! - Glass bodies do not share space. A mirror that touches glass, or glass that touches glass, face on face, is not
 //!   modelled: which of the two faces comes first is then left to rounding.
 //!
@@ -56,6 +57,11 @@ mod room;
 mod settings;
 mod tally;
 mod trace;
+
+pub(crate) use chain::{End, Ray, Tracer, cosine_direction};
+pub(crate) use draws::Draws;
+pub(crate) use room::{Met, Role, Room, Start};
+pub(crate) use tally::Tally;
 
 pub use interface::{Interface, reflected};
 pub use ledger::{Ledger, Moments, Sum};

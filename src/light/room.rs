@@ -8,13 +8,15 @@ use crate::scene::Hierarchy;
 
 /// What a surface without thickness does with a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Role {
+pub(crate) enum Role {
     /// Occluders and sources.
     Absorbs,
     /// The index of the optic, and its reflectance.
     Reflects { optic: usize, reflectance: f64 },
     /// Which map: on the front only; the back absorbs. Of an enclosure the front is the inside.
     Receives { map: usize, inward: bool },
+    /// A shade: lets through, and sends back inside.
+    Scatters { albedo: f64, transmittance: f64 },
 }
 
 #[derive(Clone, Debug)]
@@ -26,7 +28,7 @@ struct Surface {
 
 /// Which surface a ray starts on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Start {
+pub(crate) enum Start {
     Nowhere,
     Face(usize),
     Glass(usize, Part),
@@ -34,7 +36,7 @@ pub(super) enum Start {
 
 /// What a ray meets first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Met {
+pub(crate) enum Met {
     Nothing,
     Face(usize),
     Glass(usize, Part),
@@ -50,7 +52,7 @@ struct Piece {
 }
 
 /// A configuration, prepared for rays from the light.
-pub(super) struct Room {
+pub(crate) struct Room {
     surfaces: Vec<Surface>,
     glass: Vec<Piece>,
     meshes: Vec<Hierarchy>,
@@ -60,6 +62,7 @@ pub(super) struct Room {
     of_source: Vec<usize>,
     /// The surface of each diffuse surface.
     of_diffuse: Vec<usize>,
+    of_receiver: Option<usize>,
     n_maps: usize,
     n_mirrors: usize,
 }
@@ -85,14 +88,20 @@ impl Room {
             add(face_of_mirror(mirror.shape()), role, Sides::Both);
         }
         let mut n_maps = 0;
+        let mut of_receiver = None;
         if let Some(receiver) = &room.receiver {
-            add(face_of_receiver(receiver.shape()), Role::Receives { map: 0, inward: false }, Sides::Front);
+            let role = Role::Receives { map: 0, inward: false };
+            of_receiver = Some(add(face_of_receiver(receiver.shape()), role, Sides::Front));
             n_maps = 1;
         }
         let mut of_diffuse = Vec::new();
         for surface in &room.diffuse {
             let inward = surface.is_inward();
-            let index = add(face_of_receiver(surface.shape()), Role::Receives { map: n_maps, inward }, Sides::Both);
+            let role = match surface.transmittance() {
+                0.0 => Role::Receives { map: n_maps, inward },
+                transmittance => Role::Scatters { albedo: surface.albedo().ratio(), transmittance },
+            };
+            let index = add(face_of_receiver(surface.shape()), role, Sides::Both);
             of_diffuse.push(index);
             n_maps += 1;
             if surface.exitance().watts_per_square_metre() > 0.0 && !inward {
@@ -108,7 +117,7 @@ impl Room {
         });
         let meshes = meshes.collect();
         let n_mirrors = room.mirrors.len();
-        Room { surfaces, glass, meshes, bounds, of_source, of_diffuse, n_maps, n_mirrors }
+        Room { surfaces, glass, meshes, bounds, of_source, of_diffuse, of_receiver, n_maps, n_mirrors }
     }
 
     /// The surface of one of [`Configuration::sources`].
@@ -117,6 +126,13 @@ impl Room {
     }
     pub fn of_diffuse(&self, surface: usize) -> Start {
         Start::Face(self.of_diffuse[surface])
+    }
+    pub fn of_receiver(&self) -> Option<usize> {
+        self.of_receiver
+    }
+    /// Those without thickness.
+    pub fn n_surfaces(&self) -> usize {
+        self.surfaces.len()
     }
     /// The receiver's map, then one for each diffuse surface.
     pub fn n_maps(&self) -> usize {

@@ -23,7 +23,7 @@ impl Touched {
 
 /// Few cells, all in memory: by order of interaction, rings or tiles.
 #[derive(Clone, Debug)]
-pub(super) struct Dense {
+pub(crate) struct Dense {
     pub cells: Vec<Moments>,
     touched: Touched,
 }
@@ -48,7 +48,7 @@ impl Dense {
 
 /// A batch's books.
 #[derive(Clone, Debug)]
-pub(super) struct Tally {
+pub(crate) struct Tally {
     pub rays: u64,
     pub groups: u64,
     pub emitted: Sum,

@@ -6,7 +6,8 @@ use super::ReportError;
 use super::column::{Column, Field, MoreColumns, MoreDescribed, Table};
 use super::tables::column;
 use crate::configuration::MeasurementPoint;
-use crate::oracle::{Derivatives, Parameter, Truth};
+use crate::oracle::optics::{Arriving, Bounded};
+use crate::oracle::{Derivatives, Method, Parameter, Truth};
 use crate::radiometry::Albedo;
 
 /// A case whose exact values are known.
@@ -18,6 +19,8 @@ pub struct ExactCase<'a> {
     pub points: &'a [MeasurementPoint],
     /// One for each point.
     pub truths: &'a [Truth],
+    /// What takes bends, one for each point.
+    pub arriving: &'a [Arriving],
     /// One for each point, or none.
     pub derivatives: &'a [Derivatives],
 }
@@ -27,7 +30,32 @@ pub(super) struct ExactRow<'a> {
     point: usize,
     at: &'a MeasurementPoint,
     truth: &'a Truth,
+    arriving: &'a Arriving,
     derivatives: Option<&'a Derivatives>,
+}
+
+impl ExactRow<'_> {
+    /// Straight from the sources: those with area, and where [`Arriving`] tells it the others; `None` where only the sum of
+    /// all ways is known.
+    fn direct(&self) -> Option<Bounded> {
+        let [value, bound] = [self.truth.irradiance, self.truth.bound].map(|x| x.watts_per_square_metre());
+        let only_total = self.arriving.total.is_some() && self.arriving.indirect.is_none();
+        // The oracle's own value of sources with area is the better one.
+        let told = self.arriving.direct.filter(|_| value == 0.0);
+        if only_total { None } else { Some(told.unwrap_or(Bounded { value, bound })) }
+    }
+
+    /// Of all ways, as far as they are known.
+    fn all(&self) -> Bounded {
+        let parts = [self.direct(), self.arriving.caustic, self.arriving.indirect];
+        let sum = |value: fn(&Bounded) -> f64| parts.iter().flatten().map(value).sum();
+        let known = Bounded { value: sum(|part| part.value), bound: sum(|part| part.bound) };
+        if self.direct().is_none() { self.arriving.total.unwrap_or(known) } else { known }
+    }
+}
+
+fn told(part: Option<Bounded>) -> Option<Field> {
+    part.map(|part| Field::Digits17(part.value))
 }
 
 /// Writes one row for each point of each case, numbers with 17 significant digits.
@@ -46,12 +74,14 @@ pub fn write_exact<'a>(
             "{}: one albedo for each point",
             case.name
         );
+        assert_eq!(case.points.len(), case.arriving.len(), "{}: light by all ways for each point", case.name);
         let points = case.points.iter().zip(case.truths).enumerate();
         points.map(move |(point, (at, truth))| ExactRow {
             case,
             point,
             at,
             truth,
+            arriving: &case.arriving[point],
             derivatives: case.derivatives.get(point),
         })
     });
@@ -90,27 +120,42 @@ pub(super) fn exact<'a>() -> Table<ExactRow<'a>> {
             column!("form_factor", "", "of the visible parts of all sources, seen directly", |r| Field::Digits17(
                 r.truth.form_factor.ratio()
             )),
-            column!("direct_W_m2", "W/m²", "irradiance that comes straight from the sources", |r| Field::Digits17(
-                r.truth.irradiance.watts_per_square_metre()
-            )),
-            column!("caustic_W_m2", "W/m²", "irradiance by way of mirrors and glass", |_| Field::Digits17(0.0)),
-            column!("indirect_W_m2", "W/m²", "irradiance by way of diffuse surfaces", |_| Field::Digits17(0.0)),
-            column!("irradiance_W_m2", "W/m²", "the sum of the three", |r| Field::Digits17(
-                r.truth.irradiance.watts_per_square_metre()
-            )),
+            column!(
+                "direct_W_m2",
+                "W/m²",
+                "irradiance that comes straight from the sources; the strategies measure this alone; empty where only the sum is known",
+                |r| told(r.direct())
+            ),
+            column!(
+                "caustic_W_m2",
+                "W/m²",
+                "irradiance by way of mirrors and glass alone; empty where it is not known",
+                |r| told(r.arriving.caustic)
+            ),
+            column!(
+                "indirect_W_m2",
+                "W/m²",
+                "irradiance by way of diffuse surfaces; empty where it is not known",
+                |r| told(r.arriving.indirect)
+            ),
+            column!(
+                "irradiance_W_m2",
+                "W/m²",
+                "the sum of the three, as far as they are known; all light where only that is known",
+                |r| Field::Digits17(r.all().value)
+            ),
             column!(
                 "radiosity_W_m2",
                 "W/m²",
                 "irradiance times the receiver's albedo at the point; empty without one",
-                |r| r
-                    .case
-                    .albedos
-                    .map(|albedos| Field::Digits17((r.truth.irradiance * albedos[r.point]).watts_per_square_metre()))
+                |r| r.case.albedos.map(|albedos| Field::Digits17(r.all().value * albedos[r.point].ratio()))
             ),
             column!("error_bound", "W/m²", "the irradiance is off by no more than this", |r| Field::Digits17(
-                r.truth.bound.watts_per_square_metre()
+                r.all().bound
             )),
-            column!("method", "", "`closed-form` or `quadrature`", |r| r.truth.method.name()),
+            column!("method", "", "`closed-form` or `quadrature`", |r| {
+                if r.arriving.by_quadrature { Method::Quadrature.name() } else { r.truth.method.name() }
+            }),
         ],
         more: &[
             MoreDescribed {

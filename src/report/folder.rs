@@ -16,13 +16,14 @@ pub(super) const PLOTS: &str = "plots";
 const PARTIAL: &str = "partial";
 
 /// Files that lie directly in the folder.
-pub(super) const FILES: [&str; 9] = [
+pub(super) const FILES: [&str; 10] = [
     "convergence.csv",
     "rates.csv",
     "correlation.csv",
     "energy.csv",
     "caustic.csv",
     "texels.csv",
+    "paths.csv",
     "verdicts.csv",
     "timings.csv",
     "manifest.json",

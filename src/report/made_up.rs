@@ -16,8 +16,8 @@ use crate::sampling::Strategy;
 use crate::statistics::Verdict;
 use crate::statistics::interval::{Interval, Z_95};
 use crate::trial::{
-    CaseOutcome, CausticBin, Cell, Correlation, JudgedProperty, LightOutcome, LightRow, MapRow, Measured, Rate,
-    RatePoint, RunOutcome, StrategyOutcome, Timing,
+    CaseOutcome, CausticBin, Cell, Correlation, JudgedProperty, LightOutcome, LightRow, MapRow, Measured,
+    PathOutcome, PathRow, Rate, RatePoint, RunOutcome, StrategyOutcome, Timing,
 };
 
 const SAMPLES: [u64; 6] = [1, 4, 16, 64, 256, 1024];
@@ -253,6 +253,7 @@ fn case_outcome(name: &str, title: &str, arrangement: Arrangement) -> CaseOutcom
         truths,
         strategies,
         light: Some(light()),
+        paths: Some(paths()),
         timings: vec![Timing { stage: "exact", rays: 65, seconds: 2.1e-4, efficiency: None }],
     }
 }
@@ -312,4 +313,23 @@ pub(super) fn outcome() -> RunOutcome {
             case_outcome("../three points", "The lecture's shadow regions & <points>", Arrangement::Scattered),
         ],
     }
+}
+
+fn paths() -> PathOutcome {
+    let row = PathRow {
+        estimator: "next_event",
+        point: Some((0, DVec3::ZERO)),
+        part: "indirect",
+        paths: 4096,
+        reached_share: Some(0.25),
+        measured: 0.21,
+        std_error: Some(1e-3),
+        exact: Some(0.2105),
+        bound: Some(1e-15),
+        variance: Some(4e-3),
+        largest_variance: Some(6e-3),
+        verdict: Some(Verdict::Pass),
+    };
+    let timing = Timing { stage: "next_event", rays: 12_000, seconds: 2e-3, efficiency: Some(5e8) };
+    PathOutcome { rows: vec![row], verdicts: Vec::new(), timings: vec![timing] }
 }

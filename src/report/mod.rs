@@ -17,6 +17,7 @@ mod forecast;
 mod light;
 mod limits;
 mod manifest;
+mod paths;
 #[cfg(feature = "plots")]
 mod plot;
 mod tables;
@@ -89,6 +90,7 @@ fn csv_files(outcome: &RunOutcome) -> Result<Vec<(&'static str, Vec<u8>)>, Repor
         filled(light::energy(), light::energy_rows(outcome))?,
         filled(light::caustic(), light::caustic_rows(outcome))?,
         filled(light::texels(), light::texel_rows(outcome))?,
+        filled(paths::paths(), paths::path_rows(outcome))?,
         filled(tables::verdicts(), tables::verdict_rows(outcome))?,
         filled(tables::timings(), tables::timing_rows(outcome))?,
     ])
@@ -114,6 +116,7 @@ the tables.)*
         light::energy().described(),
         light::caustic().described(),
         light::texels().described(),
+        paths::paths().described(),
         tables::verdicts().described(),
         tables::timings().described(),
         exact::exact().described(),

@@ -213,12 +213,16 @@ pub(super) fn verdicts<'a>() -> Table<VerdictRow<'a>> {
         case: |r| &r.case.name,
         columns: vec![
             column!("case", "", "the case's name", |r| r.case.name.as_str()),
-            column!("strategy", "", "the strategy's name; `light` for what was followed from the sources", |r| r
-                .strategy),
+            column!(
+                "strategy",
+                "",
+                "the strategy's name; `light` for what was followed from the sources, `eye_paths` and `next_event` for paths from the points",
+                |r| r.strategy
+            ),
             column!(
                 "property",
                 "",
-                "what was judged: `bias`, `variance` (squared errors against their prediction) or `covariance` (the same of the mean and of contrasts over the points); of light `energy` (the books) or `caustic` (rings against their exact flux)",
+                "what was judged: `bias`, `variance` (squared errors against their prediction) or `covariance` (the same of the mean and of contrasts over the points); of light `energy` (the books) or `caustic` (rings against their exact flux); of paths `indirect` (what comes by mirrors, glass and diffuse surfaces)",
                 |r| r.item.property
             ),
             column!("verdict", "", "`pass`, `fail` or `undecided`", |r| r.item.verdict.name()),
@@ -268,7 +272,9 @@ pub(super) fn timing_rows(outcome: &RunOutcome) -> impl Iterator<Item = TimingRo
             strategy.timings.iter().map(move |timing| TimingRow { case, strategy: Some(strategy), timing })
         });
         let light = case.light.iter().map(move |light| TimingRow { case, strategy: None, timing: &light.timing });
-        shared.chain(own).chain(light)
+        let paths = case.paths.iter().flat_map(|paths| &paths.timings);
+        let paths = paths.map(move |timing| TimingRow { case, strategy: None, timing });
+        shared.chain(own).chain(light).chain(paths)
     })
 }
 
@@ -293,8 +299,9 @@ pub(super) fn timings<'a>() -> Table<TimingRow<'a>> {
             column!(
                 "efficiency",
                 "m⁴/(W² s)",
-                "1 / (variance × time) of one estimate at the largest N; empty where nothing \
-                is estimated",
+                "1 / (variance × time) of one estimate at the largest N, or of one path; of `caustic_by_map` and \
+                `caustic_by_eye_paths`, of a picture with the map's texels, variance averaged over them; empty where nothing \
+                is estimated or found",
                 |r| r.timing.efficiency
             ),
         ],

@@ -33,7 +33,7 @@ fn rows(content: &[u8]) -> (Vec<String>, Vec<Vec<String>>) {
 }
 
 /// Columns as the contract lists them, and which of them may be empty.
-const CONTRACT: [(&str, &str, &str); 10] = [
+const CONTRACT: [(&str, &str, &str); 11] = [
     (
         "convergence.csv",
         "case, strategy, point, x_m, y_m, z_m, region, samples, replicates, exact_irradiance_W_m2, \
@@ -60,6 +60,13 @@ const CONTRACT: [(&str, &str, &str); 10] = [
         "",
     ),
     (
+        "paths.csv",
+        "case, estimator, point, x_m, y_m, z_m, part, paths, reached_share, measured_irradiance_W_m2, std_error_W_m2, \
+         exact_irradiance_W_m2, exact_bound_W_m2, variance_W2_m4, largest_variance_W2_m4, verdict",
+        "point, x_m, y_m, z_m, reached_share, std_error_W_m2, exact_irradiance_W_m2, exact_bound_W_m2, variance_W2_m4, \
+         largest_variance_W2_m4",
+    ),
+    (
         "verdicts.csv",
         "case, strategy, property, verdict, evidence, threshold, effect, effect_low, effect_high, \
          smallest_bias_mean, smallest_bias_point, reproduce",
@@ -71,10 +78,12 @@ const CONTRACT: [(&str, &str, &str); 10] = [
         "exact.csv",
         "case, point, x_m, y_m, z_m, nx, ny, nz, region, form_factor, direct_W_m2, caustic_W_m2, indirect_W_m2, \
          irradiance_W_m2, radiosity_W_m2, error_bound, method",
-        "radiosity_W_m2",
+        "direct_W_m2, caustic_W_m2, indirect_W_m2, radiosity_W_m2",
     ),
 ];
-const WORDS: [&str; 12] = [
+const WORDS: [&str; 14] = [
+    "estimator",
+    "part",
     "case",
     "strategy",
     "region",
@@ -106,11 +115,15 @@ fn tables_of(outcome: &RunOutcome) -> Vec<(&'static str, Vec<u8>)> {
     write_limits(&mut limits, cases).unwrap();
     files.push(("limits.csv", limits));
     let mut exact = Vec::new();
+    let nought = Some(crate::oracle::optics::Bounded::default());
+    let none_bent = crate::oracle::optics::Arriving { caustic: nought, indirect: nought, ..Default::default() };
+    let arriving: Vec<_> = outcome.cases.iter().map(|case| vec![none_bent; case.points.len()]).collect();
     let cases = outcome.cases.iter().enumerate().map(|(i, case)| ExactCase {
         name: &case.name,
         albedos: case.albedos.as_deref().filter(|_| i == 0),
         points: &case.points,
         truths: &case.truths,
+        arriving: &arriving[i],
         derivatives: &[],
     });
     write_exact(&mut exact, cases, &[]).unwrap();

@@ -16,7 +16,10 @@ use crate::case::{Case, SmallestBias};
 use crate::configuration::{Configuration, ReceiverShape};
 use crate::geometry::{Texel, TexelGrid};
 use crate::light::{Light, LightRun, LightSettings, Moments, Sum, TexelMap, trace};
-use crate::oracle::optics::{Bounded, CausticLayout, CupLayout, deposited_power, power_by_flat_mirror};
+use crate::oracle::optics::{
+    Bounded, CausticLayout, CupLayout, deposited_power, power_by_flat_mirror, power_by_lampshade,
+    power_through_two_spheres,
+};
 use crate::statistics::evidence::{THRESHOLD_LOG10, ln_average, log10_capped, smallest_shift};
 use crate::statistics::interval::Z_95;
 use crate::statistics::{Capital, Observed, Statement, Verdict};
@@ -65,7 +68,7 @@ pub(super) fn light(
     let run = last?;
     let seconds = start.elapsed().as_secs_f64();
     let mut bins = layout.as_ref().map_or_else(Vec::new, |layout| bins(&run, layout));
-    bins.extend(by_flat_mirror(&run, room));
+    bins.extend(on_all(&run, room));
     bins.extend(tiles(&run, room));
     let due = due.map(|due| deposit_claim(&run, due));
     let mut books = energy(&rows, due.as_ref(), reproduce);
@@ -186,13 +189,17 @@ fn bins(run: &LightRun, layout: &CausticLayout) -> Vec<CausticBin> {
     bins
 }
 
-/// The whole receiver, by way of one flat mirror.
-fn by_flat_mirror(run: &LightRun, room: &Configuration) -> Option<CausticBin> {
-    let exact = power_by_flat_mirror(room)?;
+/// The whole of the first map, where it is known what light of one order brings to it: by way of one flat mirror; through a
+/// lampshade; from a point source through a sphere of index 1 around it, which the wall must get whole.
+fn on_all(run: &LightRun, room: &Configuration) -> Option<CausticBin> {
+    let by_mirror = || Some((1, power_by_flat_mirror(room)?));
+    let by_shade = || Some((0, power_by_lampshade(room)?));
+    let by_spheres = || Some((1, power_through_two_spheres(room)?));
+    let (order, exact) = by_mirror().or_else(by_shade).or_else(by_spheres)?;
     let map = run.maps.first()?;
-    let found = run.deposited(0, 1);
+    let found = run.deposited(0, order);
     let mut bin = CausticBin {
-        order: 1,
+        order,
         bin: 0,
         radii: None,
         tile: None,

@@ -8,6 +8,7 @@ mod accept;
 mod correlation;
 mod forecast;
 mod guest;
+mod indirect;
 mod judge;
 mod lean;
 mod light;
@@ -32,8 +33,8 @@ pub use guest::{
 };
 pub use lean::Leaning;
 pub use outcome::{
-    CaseOutcome, CausticBin, Cell, Correlation, JudgedProperty, LightOutcome, LightRow, MapRow, Measured, Rate,
-    RatePoint, RunOutcome, StrategyOutcome, Timing,
+    CaseOutcome, CausticBin, Cell, Correlation, JudgedProperty, LightOutcome, LightRow, MapRow, Measured,
+    PathOutcome, PathRow, Rate, RatePoint, RunOutcome, StrategyOutcome, Timing,
 };
 pub use repeat::Repeated;
 pub use run::{Maker, Progress, TrialError, run, run_with};

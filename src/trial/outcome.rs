@@ -1,6 +1,7 @@
 //! What a run found: everything that reports show, and nothing about how it is shown.
 
 use crate::configuration::{Arrangement, Digest, MeasurementPoint};
+use crate::geometry::DVec3;
 use crate::light::Moments;
 use crate::oracle::{Region, Truth};
 use crate::radiometry::Albedo;
@@ -32,16 +33,21 @@ pub struct CaseOutcome {
     pub strategies: Vec<StrategyOutcome>,
     /// Where there are mirrors, glass or lamps.
     pub light: Option<LightOutcome>,
+    /// Where light is bent, or diffuse surfaces light each other.
+    pub paths: Option<PathOutcome>,
     /// Stages that belong to no strategy (exact values, the hierarchy against brute force).
     pub timings: Vec<Timing>,
 }
 
 impl CaseOutcome {
-    /// All verdicts in the order of the report, each with the name of the strategy that it is about, or `light`.
+    /// All verdicts in the order of the report, each with the name of the strategy that it is about, `light`,
+    /// `eye_paths` or `next_event`.
     pub fn verdicts(&self) -> impl Iterator<Item = (&str, &JudgedProperty)> {
         let of_strategies = self.strategies.iter().flat_map(|s| s.verdicts.iter().map(|judged| (s.name(), judged)));
         let of_light = self.light.iter().flat_map(|light| light.verdicts.iter().map(|judged| ("light", judged)));
-        of_strategies.chain(of_light)
+        let of_paths =
+            self.paths.iter().flat_map(|paths| paths.verdicts.iter().map(|(name, judged)| (*name, judged)));
+        of_strategies.chain(of_light).chain(of_paths)
     }
 }
 
@@ -56,6 +62,43 @@ pub struct LightOutcome {
     pub texels: Vec<MapRow>,
     pub verdicts: Vec<JudgedProperty>,
     pub timing: Timing,
+}
+
+/// What eye paths have found.
+#[derive(Clone, Debug, Default)]
+pub struct PathOutcome {
+    /// One for each point of each estimator, and where there are optics two for the whole receiver: eye paths and the map.
+    pub rows: Vec<PathRow>,
+    /// Each with the name of the estimator that it is about.
+    pub verdicts: Vec<(&'static str, JudgedProperty)>,
+    pub timings: Vec<Timing>,
+}
+
+/// What eye paths found at one point, or all over the receiver.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PathRow {
+    /// `eye_paths`, `next_event`, or `light_map` for what rays from the light left.
+    pub estimator: &'static str,
+    /// Which measurement point, and where; `None` for the whole receiver.
+    pub point: Option<(usize, DVec3)>,
+    /// Which light: `total`, `caustic` or `indirect`.
+    pub part: &'static str,
+    /// From this place; of the map, rays.
+    pub paths: u64,
+    /// Of the paths, those that came upon a source by chance and by such a way; `None` for the map.
+    pub reached_share: Option<f64>,
+    /// W/m².
+    pub measured: f64,
+    pub std_error: Option<f64>,
+    /// W/m², and what it is off by at most.
+    pub exact: Option<f64>,
+    pub bound: Option<f64>,
+    /// Of one path, estimated, W²/m⁴.
+    pub variance: Option<f64>,
+    /// What it is at most, by the exact side.
+    pub largest_variance: Option<f64>,
+    /// `None` where nothing is judged.
+    pub verdict: Option<Verdict>,
 }
 
 /// The books of one run, W.

@@ -70,6 +70,7 @@ impl<'a> Ready<'a> {
             truths: self.truths.clone(),
             strategies,
             light: None,
+            paths: None,
             timings: self.timings.iter().cloned().chain(timings).collect(),
         }
     }

@@ -8,6 +8,7 @@ use thiserror::Error;
 
 use super::accept::accept;
 use super::correlation::correlations;
+use super::indirect::indirect;
 use super::judge::{self, Judged};
 use super::light::light;
 use super::measure::{CellSums, Prepared, measure};
@@ -98,6 +99,7 @@ fn run_case(
     let reproduce = settings.command(&[&case.selector], None);
     let quick = settings.effort == Effort::Quick;
     outcome.light = light(case, settings.seed, quick, study.smallest_bias, &reproduce);
+    outcome.paths = indirect(case, settings.seed, quick, study.smallest_bias, &reproduce);
     Ok(outcome)
 }
 
@@ -113,6 +115,7 @@ pub(super) fn unmeasured(case: &Case) -> CaseOutcome {
         truths: Vec::new(),
         strategies: Vec::new(),
         light: None,
+        paths: None,
         timings: Vec::new(),
     }
 }

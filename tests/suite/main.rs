@@ -16,6 +16,7 @@ mod first_met;
 mod gauss;
 mod guests;
 mod icosphere;
+mod interreflections;
 mod judge;
 mod laws;
 mod light;

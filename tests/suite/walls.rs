@@ -17,6 +17,7 @@ const ROOMS: &[(&str, u8, Wing)] = &[
     ("case", 7, Wing::Shared),
     ("estimator", 6, Wing::Measurement),
     ("light", 6, Wing::Measurement),
+    ("path", 6, Wing::Measurement),
     ("scene", 4, Wing::Measurement),
     ("sampling", 4, Wing::Measurement),
     ("oracle", 4, Wing::Truth),
@@ -36,8 +37,10 @@ enum Wing {
 }
 
 /// Looks to the side that are meant. A row that nothing uses fails the test.
-const SIDEWAYS: &[(&str, &str, &str)] =
-    &[("scene", "sampling", "shadow rays lie in memory as the source points do that they lead to")];
+const SIDEWAYS: &[(&str, &str, &str)] = &[
+    ("scene", "sampling", "shadow rays lie in memory as the source points do that they lead to"),
+    ("path", "light", "mirrors and glass send an eye path on as they do a packet from the light"),
+];
 
 /// Words of the source (crates, types) and the only places that may say them. A row that nothing uses fails the test.
 const RESERVED: &[(&str, &[&str])] = &[
@@ -45,7 +48,7 @@ const RESERVED: &[(&str, &[&str])] = &[
     ("f32", &["scene/hierarchy.rs", "report/plot/text.rs"]),
     ("obvhs", &["scene/hierarchy.rs"]),
     ("rand", &["sampling/", "trial/"]),
-    ("rayon", &["trial/", "calibration/", "light/", "oracle/variance/", "report/plot/", "cli/"]),
+    ("rayon", &["trial/", "calibration/", "light/", "path/", "oracle/variance/", "report/plot/", "cli/"]),
     ("plotters", &["report/plot/"]),
     ("csv", &["report/"]),
     ("toml", &["case/"]),

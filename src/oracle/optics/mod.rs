@@ -8,6 +8,7 @@
 //! | an area source seen in a flat mirror, past occluders | [`MirrorOracle`] |
 //! | two disks, two rectangles that light each other | [`CoaxialDisks`], [`FacingRectangles`] |
 //! | a bulb in a shell that scatters what it lets through | [`Lampshade`] |
+//! | a whole room: light by the way that it has come, as far as it is known | [`RoomLight`] |
 //!
 //! Closed surfaces that light themselves, and endless plates, are in [`crate::radiometry::enclosure`]; Fresnel's equations
 //! at one face and their diffuse means in [`crate::radiometry`].
@@ -23,6 +24,7 @@
 //! number of echoes, one at a time). The receiver does not stand in the way of the light that falls in.
 
 mod ball;
+mod between;
 mod caustic;
 mod cup;
 mod cylinder;
@@ -31,6 +33,7 @@ mod disks;
 mod exchange;
 pub mod faces;
 mod fan;
+mod inside;
 mod lampshade;
 mod layout;
 mod lens;
@@ -40,6 +43,8 @@ mod nodes;
 mod paraboloid;
 mod rectangle;
 mod rectangles;
+mod room;
+mod shade;
 mod slab;
 mod spherical;
 
@@ -62,6 +67,8 @@ pub use lampshade::Lampshade;
 pub use layout::{CausticLayout, power_by_flat_mirror};
 pub use mirror::{MirrorOracle, MirrorTruth, PlaneMirror};
 pub use rectangles::FacingRectangles;
+pub use room::{Arriving, RoomLight, Way};
+pub use shade::{power_by_lampshade, power_through_two_spheres};
 
 /// A number and what it is off by at most.
 ///
