@@ -58,6 +58,7 @@
 //! | [`oracle`] | **truth**: exact irradiance with a bound on its error |
 //! | [`sampling`], [`scene`], [`estimator`] | **measurement**: streams and strategies, what blocks a ray, the estimator |
 //! | [`light`] | rays from the light: caustic maps, and the ledger of every watt |
+//! | [`eye`] | pictures: what a camera sees, shaded by the estimators and the caustic maps |
 //! | [`case`] | case files; the shipped cases |
 //! | [`trial`] | a run: pilot, plan, measurement, judgement, where truth and measurement meet |
 //! | [`calibration`] | the gate itself, measured: false alarms, coverage, power |
@@ -99,6 +100,7 @@ pub mod case;
 pub mod cli;
 pub mod configuration;
 pub mod estimator;
+pub mod eye;
 pub mod geometry;
 pub mod light;
 mod number;

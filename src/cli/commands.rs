@@ -19,7 +19,7 @@ const GENERATOR: &str = "8 lanes of xoshiro256++, sample i in lane i mod 8; stre
                          strategy, samples, replicate, point (0 where points are shared) and source";
 
 /// Cases, or the exit code after saying what is wrong with them.
-fn select(selectors: &[String]) -> Result<Vec<Case>, u8> {
+pub(super) fn select(selectors: &[String]) -> Result<Vec<Case>, u8> {
     case::select(selectors).map_err(|error| {
         let ink = if coloured() { Ink::Coloured } else { Ink::Plain };
         anstream::eprintln!("{}", error.render(ink));
@@ -35,7 +35,7 @@ fn coloured() -> bool {
 }
 
 /// An error on stderr, and the code to leave with.
-fn fault(code: u8, error: impl std::fmt::Display) -> u8 {
+pub(super) fn fault(code: u8, error: impl std::fmt::Display) -> u8 {
     anstream::eprintln!("error: {error}");
     code
 }
@@ -72,7 +72,7 @@ fn run_to_end(options: &Run) -> Result<u8, u8> {
     })
 }
 
-fn set_threads(threads: Option<u16>) -> Result<(), u8> {
+pub(super) fn set_threads(threads: Option<u16>) -> Result<(), u8> {
     let Some(threads) = threads else { return Ok(()) };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads));
     pool.build_global().map_err(|error| fault(exit::BUG, error))
@@ -258,7 +258,7 @@ fn calibrate_to_end(options: &Calibrate) -> Result<u8, u8> {
     Ok(if calibration.fails() { exit::FAILED } else { exit::PASSED })
 }
 
-fn print(text: &str) -> Result<(), u8> {
+pub(super) fn print(text: &str) -> Result<(), u8> {
     write_out(text.as_bytes())
 }
 

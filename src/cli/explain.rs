@@ -97,6 +97,24 @@ What it does not say: nothing of other orders (reflections off the glass), of ma
 the caustic itself, where the irradiance has no bound and only rings have a flux.
 ";
 
+const PICTURE: &str = "\
+picture: the pixels of a rendered receiver show what is due there.
+
+  rendered    K independent pictures (32 or more): direct light by the strategy at the middle of each pixel, plus flux
+              over area in the map's texel around it
+  exact       direct light at that point, plus the exact mean of the bent light over that texel: one flat mirror under
+              area sources, or a lamp whose caustic is known (rays are then followed for the known orders only)
+  judged for  up to 144 pixels of a lattice, and their mean
+  statement   as of `explain bias`: direct light with its predicted variance; a texel, of n groups of rays with a flux g
+              each, with E (g/A - E/n) at most
+  pass        no evidence against it, and a deviation in the mean as large as the study's `smallest_bias` would have been
+              caught; what would have been seen at the worst well-lit pixel is told
+
+Caught by it: light that is counted by the direct term and by the map, a map over the wrong area, a lost shadow.
+
+What it does not say: nothing of the blur within a texel, of light that was scattered twice, of what a [camera] sees.
+";
+
 const COVARIANCE: &str = "\
 covariance: errors of different points move together as predicted.
 
@@ -172,13 +190,14 @@ borders on disks and spheres, and where values are interpolated. Variances are p
 Derivatives (`exact --derivative`) are left empty where a textured source is seen.
 ";
 
-const TOPICS: [(&str, &str, &str); 10] = [
+const TOPICS: [(&str, &str, &str); 11] = [
     ("verdict", "pass, fail, undecided: what they promise", VERDICT),
     ("bias", "the mean estimate is the exact irradiance", BIAS),
     ("variance", "errors are as large as predicted", VARIANCE),
     ("covariance", "errors move together as predicted", COVARIANCE),
     ("energy", "every watt that left a source is booked", ENERGY),
     ("caustic", "rings of a caustic get the flux that is due", CAUSTIC),
+    ("picture", "the pixels of a rendered receiver show what is due there", PICTURE),
     ("rate", "slopes of log variance over log N", RATE),
     ("correlation", "errors of two points against their distance", CORRELATION),
     ("texture", "exitance and albedo from pictures, chessboards, polynomials", TEXTURE),

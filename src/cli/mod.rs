@@ -4,6 +4,8 @@ mod commands;
 mod explain;
 mod options;
 mod progress;
+#[cfg(feature = "plots")]
+mod render;
 
 use std::process::ExitCode;
 
@@ -37,6 +39,8 @@ pub fn main() -> ExitCode {
         Some(options::Command::Calibrate(calibrate)) => commands::calibrate(&calibrate),
         Some(options::Command::Plan(plan)) => commands::plan(&plan),
         Some(options::Command::Explain(explain)) => commands::explain(&explain),
+        #[cfg(feature = "plots")]
+        Some(options::Command::Render(render)) => render::render(&render),
         Some(options::Command::Run(run)) => commands::run(&run),
         None => commands::run(&options.run),
     };

@@ -8,9 +8,11 @@ mod accept;
 mod correlation;
 mod forecast;
 mod judge;
+mod lecture;
 mod light;
 mod measure;
 mod outcome;
+mod picture;
 mod plan;
 mod predict;
 mod rare;
@@ -23,9 +25,13 @@ mod settings;
 mod spread;
 
 pub use forecast::{Forecast, forecast};
+pub use lecture::{Lecture, LectureError, lecture};
 pub use outcome::{
     CaseOutcome, CausticBin, Cell, Correlation, JudgedProperty, LightOutcome, LightRow, Measured, Rate, RatePoint,
     RunOutcome, StrategyOutcome, Timing,
+};
+pub use picture::{
+    Due, Judged, PictureSettings, ReceiverPicture, camera_picture, receiver_picture, receiver_picture_with,
 };
 pub use repeat::Repeated;
 pub use run::{Maker, Progress, TrialError, run, run_with};
