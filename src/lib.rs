@@ -59,6 +59,7 @@
 //! | [`sampling`], [`scene`], [`estimator`] | **measurement**: streams and strategies, what blocks a ray, the estimator |
 //! | [`light`] | rays from the light: caustic maps, and the ledger of every watt |
 //! | [`path`] | paths from the eye: light that goes to and fro between diffuse surfaces |
+//! | [`eye`] | pictures: what a camera sees, shaded by the estimators and the caustic maps |
 //! | [`case`] | case files; the shipped cases |
 //! | [`trial`] | a run: pilot, plan, measurement, judgement, where truth and measurement meet |
 //! | [`guest`] | others, judged: a sampler or estimator in code, a program behind a pipe, files of estimates and points |
@@ -101,6 +102,7 @@ pub mod case;
 pub mod cli;
 pub mod configuration;
 pub mod estimator;
+pub mod eye;
 pub mod geometry;
 pub mod guest;
 pub mod light;

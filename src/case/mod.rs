@@ -22,6 +22,7 @@
 //! [`select`] finds cases by file, folder or name; [`shipped`] lists those inside the program. [`schema`] holds every
 //! key with its unit, default and meaning. All mistakes of a file come together, as [`CaseErrors`].
 
+mod camera;
 mod error;
 mod folder;
 mod measure;
@@ -44,6 +45,7 @@ mod walk;
 use std::path::Path;
 
 use crate::configuration::Configuration;
+use crate::eye::Camera;
 use crate::light::LightSettings;
 
 pub use error::{CaseError, CaseErrors, MeshFileFault, Mistake};
@@ -68,6 +70,8 @@ pub struct Case {
     pub study: Study,
     /// How light is followed from the sources.
     pub light: LightSettings,
+    /// From where pictures show it, besides its receiver square on.
+    pub camera: Option<Camera>,
 }
 
 impl Case {
@@ -81,6 +85,7 @@ impl Case {
             configuration,
             study,
             light,
+            camera: None,
         }
     }
 

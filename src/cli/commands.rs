@@ -93,7 +93,7 @@ pub(super) fn conclude(
     })
 }
 
-fn set_threads(threads: Option<u16>) -> Result<(), u8> {
+pub(super) fn set_threads(threads: Option<u16>) -> Result<(), u8> {
     let Some(threads) = threads else { return Ok(()) };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads));
     pool.build_global().map_err(|error| fault(exit::BUG, error))
@@ -287,7 +287,7 @@ fn calibrate_to_end(options: &Calibrate) -> Result<u8, u8> {
     Ok(if calibration.fails() { exit::FAILED } else { exit::PASSED })
 }
 
-fn print(text: &str) -> Result<(), u8> {
+pub(super) fn print(text: &str) -> Result<(), u8> {
     write_out(text.as_bytes())
 }
 

@@ -155,6 +155,24 @@ lampshade: a bulb in a shell that scatters what it lets through is a source with
 What it does not say: the receiver has to be black, so that no light comes back to the shell.
 ";
 
+const PICTURE: &str = "\
+picture: the pixels of a rendered receiver show what is due there.
+
+  rendered    K independent pictures (32 or more): direct light by the strategy at the middle of each pixel, plus flux
+              over area in the map's texel around it
+  exact       direct light at that point, plus the exact mean of the bent light over that texel: one flat mirror under
+              area sources, or a lamp whose caustic is known (rays are then followed for the known orders only)
+  judged for  up to 144 pixels of a lattice, and their mean
+  statement   as of `explain bias`: direct light with its predicted variance; a texel, of n groups of rays with a flux g
+              each, with E (g/A - E/n) at most
+  pass        no evidence against it, and a deviation in the mean as large as the study's `smallest_bias` would have been
+              caught; what would have been seen at the worst well-lit pixel is told
+
+Caught by it: light that is counted by the direct term and by the map, a map over the wrong area, a lost shadow.
+
+What it does not say: nothing of the blur within a texel, of light that was scattered twice, of what a [camera] sees.
+";
+
 const COVARIANCE: &str = "\
 covariance: errors of different points move together as predicted.
 
@@ -268,7 +286,7 @@ pilot's estimates again with other seeds.
 What a pass does not say: nothing beyond `etendue explain verdict`; and nothing of the variance, which is not judged.
 ";
 
-const TOPICS: [(&str, &str, &str); 14] = [
+const TOPICS: [(&str, &str, &str); 15] = [
     ("verdict", "pass, fail, undecided: what they promise", VERDICT),
     ("bias", "the mean estimate is the exact irradiance", BIAS),
     ("variance", "errors are as large as predicted", VARIANCE),
@@ -279,6 +297,7 @@ const TOPICS: [(&str, &str, &str); 14] = [
     ("indirect", "paths from the eye find what mirrors, glass and walls send on", INDIRECT),
     ("point-source", "power through two spheres: what depends on distance", POINT_SOURCE),
     ("lampshade", "a bulb in a scattering shell as a source with area", LAMPSHADE),
+    ("picture", "the pixels of a rendered receiver show what is due there", PICTURE),
     ("rate", "slopes of log variance over log N", RATE),
     ("correlation", "errors of two points against their distance", CORRELATION),
     ("texture", "exitance and albedo from pictures, chessboards, polynomials", TEXTURE),

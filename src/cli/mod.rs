@@ -5,6 +5,8 @@ mod explain;
 mod guests;
 mod options;
 mod progress;
+#[cfg(feature = "plots")]
+mod render;
 
 use std::process::ExitCode;
 
@@ -41,6 +43,8 @@ pub fn main() -> ExitCode {
         Some(options::Command::Judge(judge)) => guests::judge(&judge),
         Some(options::Command::Verify(verify)) => guests::verify(&verify),
         Some(options::Command::Points(points)) => guests::points(&points),
+        #[cfg(feature = "plots")]
+        Some(options::Command::Render(render)) => render::render(&render),
         Some(options::Command::Run(run)) => commands::run(&run),
         None => commands::run(&options.run),
     };

@@ -96,14 +96,27 @@ impl LightTracer {
         }
     }
 
+    /// What all sources give out, W; each group of rays carries the same share of it.
+    pub fn power(&self) -> f64 {
+        self.source_power
+    }
+
+    /// Independent groups of rays that [`LightTracer::run`] sends.
+    pub fn n_groups(&self) -> u64 {
+        if self.emitters.is_empty() { 0 } else { self.settings.rays.max(1).div_ceil(self.rays_a_group()) }
+    }
+
+    fn rays_a_group(&self) -> u64 {
+        self.emitters.iter().map(Emitter::rays_a_group).max().unwrap_or(1) as u64
+    }
+
     /// Sends the rays. The same bytes on any number of threads.
     ///
     /// Rays leave in groups, each from one source, chosen with a probability of its power, and each group carries the same
     /// flux. Groups are independent and alike.
     pub fn run(&self) -> LightRun {
         let depth = self.settings.depth;
-        let rays_a_group = self.emitters.iter().map(Emitter::rays_a_group).max().unwrap_or(1) as u64;
-        let n_groups = if self.emitters.is_empty() { 0 } else { self.settings.rays.max(1).div_ceil(rays_a_group) };
+        let (rays_a_group, n_groups) = (self.rays_a_group(), self.n_groups());
         let groups_a_batch = (RAYS_A_BATCH / rays_a_group).max(1);
         let n_batches = n_groups.div_ceil(groups_a_batch);
         let mut maps: Vec<TexelMap> = self.landings.iter().map(TexelMap::new).collect();

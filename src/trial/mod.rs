@@ -11,10 +11,12 @@ mod guest;
 mod indirect;
 mod judge;
 mod lean;
+mod lecture;
 mod light;
 mod map_error;
 mod measure;
 mod outcome;
+mod picture;
 mod plan;
 mod predict;
 mod rare;
@@ -32,9 +34,13 @@ pub use guest::{
     judge_sets, questions,
 };
 pub use lean::Leaning;
+pub use lecture::{Lecture, LectureError, lecture};
 pub use outcome::{
     CaseOutcome, CausticBin, Cell, Correlation, JudgedProperty, LightOutcome, LightRow, MapRow, Measured,
     PathOutcome, PathRow, Rate, RatePoint, RunOutcome, StrategyOutcome, Timing,
+};
+pub use picture::{
+    Due, Judged, PictureSettings, ReceiverPicture, camera_picture, receiver_picture, receiver_picture_with,
 };
 pub use repeat::Repeated;
 pub use run::{Maker, Progress, TrialError, run, run_with};

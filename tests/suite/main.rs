@@ -27,6 +27,7 @@ mod published;
 mod radiometry;
 #[cfg(all(feature = "cli", feature = "plots"))]
 mod reference;
+mod render;
 mod samplers;
 mod shipped_cases;
 mod techniques;

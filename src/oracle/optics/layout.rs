@@ -1,8 +1,8 @@
 //! Rooms whose caustics are known: one lamp, one optic on its axis, a flat receiver square to it.
 
-use super::{Bounded, Caustic, Loss, MirrorOracle, PlaneMirror};
+use super::{Arrival, Bounded, Caustic, Loss, MirrorOracle, PlaneMirror};
 use crate::configuration::{Configuration, Glass, GlassShape, Lamp, Mirror, MirrorShape, ReceiverShape};
-use crate::geometry::{DVec3, Shape};
+use crate::geometry::{DVec3, Rectangle, Shape};
 use crate::oracle::patch::{Patch, Tolerance};
 use crate::radiometry::Beam;
 
@@ -73,6 +73,47 @@ impl CausticLayout {
     /// The orders that are known, ascending.
     pub fn orders(&self) -> impl Iterator<Item = usize> {
         self.orders.iter().map(|(order, _)| *order)
+    }
+
+    /// What all known orders bring to a point of the receiver, W/m²; `None` on a caustic.
+    ///
+    /// - error: `bound`, as of [`Caustic::at`]
+    pub fn irradiance_at(&self, place: DVec3) -> Option<Bounded> {
+        let radius = (place - self.foot).length();
+        self.together(|caustic| match caustic.at(radius) {
+            Ok(Arrival::Finite { value, bound, .. }) => Some(Bounded { value, bound }),
+            _ => None,
+        })
+    }
+
+    /// Power of all known orders in a rectangle of the receiver, W.
+    ///
+    /// - `rectangle`: in the receiver's plane
+    /// - error: `bound`, as of [`Caustic::power_in_rectangle`]
+    pub fn power_in_rectangle(&self, rectangle: &Rectangle) -> Option<Bounded> {
+        let offset = rectangle.center() - self.foot;
+        let stretch = |edge: DVec3| {
+            let (length, middle) = (edge.length(), offset.dot(edge.normalize()));
+            // The light has the symmetry of a disk, so each side of the axis is as good as the other.
+            let [low, high] = [middle - 0.5 * length, middle + 0.5 * length];
+            if high <= 0.0 { [-high, -low] } else { [low, high] }
+        };
+        let mut sides = [stretch(rectangle.edge_u()), stretch(rectangle.edge_v())];
+        sides.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        self.together(|caustic| caustic.power_in_rectangle(sides[0], sides[1]).ok())
+    }
+
+    /// Power of all known orders between two circles around the foot, W; `None` for circles beyond the receiver.
+    pub fn power_within(&self, from: f64, to: f64) -> Option<Bounded> {
+        let inside = to <= self.room * (1.0 + ALIGNED);
+        self.together(|caustic| caustic.power_in_ring(from, to).ok().filter(|_| inside))
+    }
+
+    fn together(&self, of_order: impl Fn(&Caustic) -> Option<Bounded>) -> Option<Bounded> {
+        self.orders.iter().try_fold(Bounded::default(), |sum, (_, caustic)| {
+            let found = of_order(caustic)?.scaled(self.scale);
+            Some(Bounded { value: sum.value + found.value, bound: sum.bound + found.bound })
+        })
     }
 
     /// Power between two circles around the foot, W; `None` for an order that is not known, or circles beyond the receiver.
@@ -296,10 +337,9 @@ pub(super) fn patch(room: &Configuration) -> Option<Patch> {
     }
 }
 
-/// What area sources send to the receiver by way of one flat mirror, exactly: W. `None` for any other room.
-///
-/// - error: `bound`, an estimate of the quadrature over the receiver
-pub fn power_by_flat_mirror(room: &Configuration) -> Option<Bounded> {
+/// A room whose area sources light its receiver by way of one flat mirror, and in no other roundabout way. `None` for any
+/// other room.
+pub fn flat_mirror(room: &Configuration) -> Option<MirrorOracle> {
     let ([mirror], [], []) = (room.mirrors(), room.glass(), room.lamps()) else { return None };
     let shape = match mirror.shape() {
         MirrorShape::Rectangle(s) => Shape::Rectangle(*s),
@@ -307,12 +347,19 @@ pub fn power_by_flat_mirror(room: &Configuration) -> Option<Bounded> {
         MirrorShape::Disk(s) => Shape::Disk(*s),
         _ => return None,
     };
-    let patch = patch(room)?;
     if !room.diffuse().is_empty() {
         return None;
     }
     let mirror = PlaneMirror::new(shape, mirror.reflectance()).ok()?;
-    let mean = MirrorOracle::new(room, &mirror).ok()?.average_irradiance(&patch, Tolerance::relative(1e-9));
+    MirrorOracle::new(room, &mirror).ok()
+}
+
+/// What area sources send to the receiver by way of one flat mirror, exactly: W. `None` for any other room.
+///
+/// - error: `bound`, an estimate of the quadrature over the receiver
+pub fn power_by_flat_mirror(room: &Configuration) -> Option<Bounded> {
+    let patch = patch(room)?;
+    let mean = flat_mirror(room)?.average_irradiance(&patch, Tolerance::relative(1e-9));
     let [value, bound] = [mean.irradiance, mean.bound].map(|x| x.watts_per_square_metre() * patch.area());
     bound.is_finite().then_some(Bounded { value, bound })
 }

@@ -64,7 +64,7 @@ pub use disks::CoaxialDisks;
 pub use exchange::Which;
 pub use faces::{Loss, Polarised};
 pub use lampshade::Lampshade;
-pub use layout::{CausticLayout, power_by_flat_mirror};
+pub use layout::{CausticLayout, flat_mirror, power_by_flat_mirror};
 pub use mirror::{MirrorOracle, MirrorTruth, PlaneMirror};
 pub use rectangles::FacingRectangles;
 pub use room::{Arriving, RoomLight, Way};
