@@ -277,7 +277,7 @@ fn area_strategies() -> String {
 pub(super) fn sets(paths: &[PathBuf]) -> Result<Vec<PointSets>, u8> {
     let read: Vec<_> = paths.iter().map(|path| guest::read_sets(path)).collect();
     let faults = read.iter().filter_map(|result| result.as_ref().err());
-    let code = faults.map(|error| fault(exit::USAGE, error)).last();
+    let code = faults.fold(None, |_, error| Some(fault(exit::USAGE, error)));
     let mut sets: Vec<PointSets> = Vec::new();
     for found in read.into_iter().flatten() {
         if sets.iter().any(|other| other.name == found.name) {

@@ -67,12 +67,15 @@ pub enum GuestFault {
     OutsideSquare { index: usize, samples: u64, u: f64, v: f64 },
 }
 
+/// Samples, replicate and point of an estimate.
+type Place = (u64, u64, usize);
+
 /// The fault that stands first, whatever thread found it.
 #[derive(Debug, Default)]
-struct FirstFault(Mutex<Option<((u64, u64, usize), GuestFault)>>);
+struct FirstFault(Mutex<Option<(Place, GuestFault)>>);
 
 impl FirstFault {
-    fn keep(&self, place: (u64, u64, usize), fault: GuestFault) {
+    fn keep(&self, place: Place, fault: GuestFault) {
         let mut kept = self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         if kept.as_ref().is_none_or(|(first, _)| place < *first) {
             *kept = Some((place, fault));

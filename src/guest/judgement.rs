@@ -136,8 +136,8 @@ impl Judgement {
     }
 
     /// Everything that was measured, as reports show it.
-    pub fn outcome(&self) -> Result<&CaseOutcome, &NotJudged> {
-        self.result.as_ref()
+    pub fn outcome(&self) -> Result<&CaseOutcome, NotJudged> {
+        self.result.as_ref().map_err(Clone::clone)
     }
 
     /// Ends the test, with all that is known, unless the verdict is a pass.

@@ -93,8 +93,9 @@ fn the_example_in_c_passes_as_it_is_written() {
     }
     let folder = tempfile::tempdir().unwrap();
     let program = folder.path().join("eclipse");
-    let built = Process::new("cc").args(["-O2", "-Wall", "-Werror", "-o"]).arg(&program).arg(example("eclipse.c"));
-    assert!(built.arg("-lm").status().unwrap().success());
+    let mut cc = Process::new("cc");
+    cc.args(["-O2", "-Wall", "-Werror", "-o"]).arg(&program).arg(example("eclipse.c")).arg("-lm");
+    assert!(cc.status().unwrap().success());
     let run = |more: &[&str], out: &str| {
         let mut command = etendue();
         command.args(["judge", "penumbra/eclipse"]).args(QUICK).args(more).arg("--out").arg(folder.path().join(out));
