@@ -106,7 +106,7 @@ fn what_is_wrong_is_caught_from_every_seed_and_what_is_right_passes() {
 fn points_that_are_not_uniform_are_caught() {
     let case = room(true);
     let never_at_the_edge = |draws: &mut Draws, points: &mut [[f64; 2]]| {
-        points.fill_with(|| [0.02 + 0.96 * draws.unit(), draws.unit()]);
+        points.fill_with(|| [0.15 + 0.7 * draws.unit(), draws.unit()]);
     };
     let always_the_same = |_: &mut Draws, points: &mut [[f64; 2]]| {
         let n = points.len() as f64;
