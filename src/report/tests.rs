@@ -206,8 +206,8 @@ fn what_has_no_meaning_is_empty_and_what_is_not_judged_says_so() {
     assert!(rates.lines().nth(1).unwrap().ends_with(",not_judged"));
     assert!(rates.lines().nth(2).unwrap().starts_with("penumbra/eclipse,random,variance,below_horizon,"));
     assert!(rates.lines().nth(2).unwrap().ends_with(",undecided"));
-    assert!(text(5).lines().nth(1).unwrap().contains(",,0.081,etendue run "));
-    assert_eq!(text(6).lines().nth(2).unwrap(), "penumbra/eclipse,random,estimate,0,1.25,,31000000.0");
+    assert!(text(6).lines().nth(1).unwrap().contains(",,0.081,etendue run "));
+    assert_eq!(text(7).lines().nth(2).unwrap(), "penumbra/eclipse,random,estimate,0,1.25,,31000000.0");
 }
 
 #[test]
