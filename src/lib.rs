@@ -59,8 +59,10 @@
 //! | [`sampling`], [`scene`], [`estimator`] | **measurement**: streams and strategies, what blocks a ray, the estimator |
 //! | [`light`] | rays from the light: caustic maps, and the ledger of every watt |
 //! | [`path`] | paths from the eye: light that goes to and fro between diffuse surfaces |
+//! | [`eye`] | pictures: what a camera sees, shaded by the estimators and the caustic maps |
 //! | [`case`] | case files; the shipped cases |
 //! | [`trial`] | a run: pilot, plan, measurement, judgement, where truth and measurement meet |
+//! | [`guest`] | others, judged: a sampler or estimator in code, a program behind a pipe, files of estimates and points |
 //! | [`calibration`] | the gate itself, measured: false alarms, coverage, power |
 //! | [`report`] | tables and plots of a run |
 //!
@@ -100,7 +102,9 @@ pub mod case;
 pub mod cli;
 pub mod configuration;
 pub mod estimator;
+pub mod eye;
 pub mod geometry;
+pub mod guest;
 pub mod light;
 mod number;
 pub mod oracle;
@@ -115,9 +119,10 @@ pub mod trial;
 
 pub use case::Case;
 pub use configuration::Configuration;
-pub use estimator::AreaEstimator;
+pub use estimator::{AreaEstimator, IrradianceEstimator, PointSampler};
+pub use guest::judge;
 pub use oracle::{Oracle, Truth};
-pub use sampling::Strategy;
+pub use sampling::{Draws, Strategy};
 pub use statistics::Verdict;
 pub use trial::{RunOutcome, Settings};
 

@@ -10,6 +10,7 @@ use super::obj::ObjError;
 use super::place::Place;
 use super::schema::{self, Table};
 use crate::configuration::ConfigurationError;
+use crate::eye::EyeError;
 use crate::geometry::ShapeError;
 use crate::radiometry::RadiometryError;
 use crate::texture::TextureError;
@@ -85,6 +86,8 @@ pub enum CaseError {
     NoReceiver { key: &'static str },
     #[error("`measure.line` runs from a point to itself; its ends differ")]
     LineWithoutLength,
+    #[error("[camera]: {0}")]
+    Camera(EyeError),
     #[error(transparent)]
     Configuration(ConfigurationError),
 }
@@ -161,6 +164,8 @@ impl CaseError {
             CaseError::SecondReceiverShape { .. } => "second shape",
             CaseError::NoReceiver { .. } => "no receiver",
             CaseError::LineWithoutLength => "no length",
+            CaseError::Camera(EyeError::Inside { .. }) => "sees nothing from here",
+            CaseError::Camera(_) => "no camera",
             CaseError::Configuration(error) => match error {
                 ConfigurationError::NoSource => "no source",
                 ConfigurationError::NothingToMeasure => "nothing to measure",

@@ -22,6 +22,7 @@
 //! [`select`] finds cases by file, folder or name; [`shipped`] lists those inside the program. [`schema`] holds every
 //! key with its unit, default and meaning. All mistakes of a file come together, as [`CaseErrors`].
 
+mod camera;
 mod error;
 mod folder;
 mod measure;
@@ -44,6 +45,7 @@ mod walk;
 use std::path::Path;
 
 use crate::configuration::Configuration;
+use crate::eye::Camera;
 use crate::light::LightSettings;
 
 pub use error::{CaseError, CaseErrors, MeshFileFault, Mistake};
@@ -68,6 +70,8 @@ pub struct Case {
     pub study: Study,
     /// How light is followed from the sources.
     pub light: LightSettings,
+    /// From where pictures show it, besides its receiver square on.
+    pub camera: Option<Camera>,
 }
 
 impl Case {
@@ -81,6 +85,7 @@ impl Case {
             configuration,
             study,
             light,
+            camera: None,
         }
     }
 
@@ -94,6 +99,11 @@ impl Case {
     pub fn from_toml(name: &str, text: &str) -> Result<Case, CaseErrors> {
         let file = read::CaseFile { path: name, selector: name, name, folder: &folder::Folder::Nowhere, below: name };
         read::read(&file, text.as_bytes())
+    }
+
+    /// The shipped case of that name (`etendue list` has them); not a file, not a part of a name.
+    pub fn shipped(name: &str) -> Result<Case, SelectError> {
+        select::shipped_case(name)
     }
 
     /// A case file on disk, named by its stem. Meshes that it names lie in its folder or below.

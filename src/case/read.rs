@@ -7,6 +7,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::Case;
+use super::camera;
 use super::error::{CaseError, CaseErrors};
 use super::folder::Folder;
 use super::measure::{self, Ground, Measured};
@@ -126,6 +127,9 @@ fn case(file: &CaseFile, text: &str, log: &mut Log) -> Option<Case> {
     let light_node = optional(&root, &schema::LIGHT, &schema::LIGHTS, log);
     let light = light_node.map_or_else(LightSettings::default, |node| settings::light(&node, log));
 
+    let camera_node = optional(&root, &schema::CAMERA, &schema::CAMERAS, log);
+    let camera = camera_node.as_ref().and_then(|node| camera::camera(node, log));
+
     let places = Places {
         root: &root,
         any_source,
@@ -137,8 +141,11 @@ fn case(file: &CaseFile, text: &str, log: &mut Log) -> Option<Case> {
     };
     let contents = Contents { sources, lamps, occluders, mirrors, glass, diffuse, receiver, ..Contents::default() };
     let configuration = configuration(&places, contents, measured, log)?;
+    if let (Some(node), Some(camera)) = (&camera_node, &camera) {
+        camera::place(node, camera, &configuration, log);
+    }
     let selector = file.selector.into();
-    Some(Case { name: file.name.into(), selector, title: title?.into(), configuration, study, light })
+    Some(Case { name: file.name.into(), selector, title: title?.into(), configuration, study, light, camera })
 }
 
 /// A table that may be missing without the reader saying so.

@@ -236,9 +236,19 @@ pub const LIGHT: Key = key(
 pub const STUDY: Key =
     key("study", Value::Table(&STUDIES), "", Need::Default("all defaults"), "How to study the case.");
 
+pub const CAMERA: Key = key(
+    "camera",
+    Value::Table(&CAMERAS),
+    "",
+    Need::Default("none: the receiver alone, square on"),
+    "From where `etendue render` looks, besides at the receiver.",
+);
+
 /// The top of a case file.
-pub const ROOT: Table =
-    Table { path: "", keys: &[TITLE, SOURCE, OCCLUDER, RECEIVER, MEASURE, STUDY, MIRROR, GLASS, DIFFUSE, LIGHT] };
+pub const ROOT: Table = Table {
+    path: "",
+    keys: &[TITLE, SOURCE, OCCLUDER, RECEIVER, MEASURE, STUDY, MIRROR, GLASS, DIFFUSE, LIGHT, CAMERA],
+};
 
 pub const CENTER: Key = key("center", Value::Vector, "m", Need::Required, "Centre.");
 pub const NORMAL: Key =
@@ -595,12 +605,60 @@ pub const RINGS: Key = key(
     NONE,
     "Rings on the receiver in which light is counted by its number of interactions.",
 );
+pub const TILES: Key = key(
+    "tiles",
+    Value::CountPair,
+    "",
+    NONE,
+    "Tiles of the receiver, along s and t, in which light is counted by its number of interactions; 4096 at most.",
+);
 /// How light is followed.
-pub const LIGHTS: Table = Table { path: "light", keys: &[RAYS, TEXELS, DEPTH, AIM, SPLIT, RINGS] };
+pub const LIGHTS: Table = Table { path: "light", keys: &[RAYS, TEXELS, DEPTH, AIM, SPLIT, RINGS, TILES] };
 pub const RING_COUNT: Key = key("count", Value::Count, "", Need::Required, "Rings of equal width, from 1 to 4096.");
 pub const RING_RADIUS: Key =
     key("radius", Value::Number, "m", Need::Required, "Outer radius of the last ring; greater than zero.");
 pub const LIGHT_RINGS: Table = Table { path: "light.rings", keys: &[CENTER, RING_RADIUS, RING_COUNT] };
+
+pub const KIND: Key = key(
+    "kind",
+    Value::Text,
+    "",
+    Need::Required,
+    "orthographic (rays side by side, `width`) or perspective (rays from one point, `fov`).",
+);
+pub const EYE: Key = key("eye", Value::Vector, "m", Need::Required, "Where it stands, outside of all bodies.");
+pub const LOOK_AT: Key =
+    key("look_at", Value::Vector, "m", Need::Required, "A point that the middle of the picture shows.");
+pub const UP: Key = key(
+    "up",
+    Value::Vector,
+    "",
+    Need::Default("[0, 0, 1]"),
+    "What is upwards in the picture; any length but zero, not along the line of sight.",
+);
+pub const WIDTH: Key = key(
+    "width",
+    Value::Number,
+    "m",
+    Need::Default("none; an orthographic camera needs it"),
+    "Of what an orthographic camera sees; greater than zero.",
+);
+pub const FOV: Key = key(
+    "fov",
+    Value::Number,
+    "degrees",
+    Need::Default("none; a perspective camera needs it"),
+    "The full angle across the picture's width; between 0 and 180.",
+);
+pub const PIXELS: Key = key(
+    "pixels",
+    Value::CountPair,
+    "",
+    Need::Default("[640, 480]"),
+    "Width and height of the picture; at most 4194304 pixels in all.",
+);
+/// From where pictures are made.
+pub const CAMERAS: Table = Table { path: "camera", keys: &[KIND, EYE, LOOK_AT, UP, WIDTH, FOV, PIXELS] };
 
 pub const LINE: Key =
     key("line", Value::Table(&MEASURE_LINE), "", NONE, "Points along a line (an arc, on a sphere).");
@@ -708,7 +766,7 @@ mod tests {
     fn every_key_has_one_meaning_and_stands_in_the_documentation() {
         let mut tables = Vec::new();
         tables_below(&ROOT, &mut tables);
-        assert_eq!(tables.len(), 43);
+        assert_eq!(tables.len(), 44);
         let text = ROOT.to_string();
         for table in tables {
             for (at, key) in table.keys.iter().enumerate() {

@@ -110,6 +110,16 @@ pub fn select(selectors: &[String]) -> Result<Vec<Case>, SelectError> {
     }
 }
 
+/// The shipped case of that very name.
+pub(super) fn shipped_case(name: &str) -> Result<Case, SelectError> {
+    let Some(found) = shipped().find(|case| case.name() == name) else {
+        let why = "is no shipped case's whole name";
+        let unmatched = Unmatched { selector: name.to_owned(), why, nearest: nearest_cases(name) };
+        return Err(SelectError::Nothing { unmatched: vec![unmatched] });
+    };
+    found.read().map_err(|file| SelectError::Faulty { files: vec![file] })
+}
+
 /// All cases, or the mistakes of all faulty ones.
 pub(super) fn all_or_mistakes(
     read: impl Iterator<Item = Result<Case, CaseErrors>>,

@@ -1,9 +1,11 @@
 //! What each command does.
 
 use std::io::{IsTerminal, Write};
+use std::path::Path;
 
 use super::exit;
 use super::explain;
+use super::guests;
 use super::options::{Calibrate, Check, Exact, Explain, List, Plan, Run};
 use super::progress::{Bar, RunBar};
 use crate::calibration;
@@ -16,11 +18,11 @@ use crate::statistics::Verdict;
 use crate::trial;
 
 /// Says how the random streams are made, for the manifest.
-const GENERATOR: &str = "8 lanes of xoshiro256++, sample i in lane i mod 8; streams keyed by seed, configuration, purpose, \
+pub(super) const GENERATOR: &str = "8 lanes of xoshiro256++, sample i in lane i mod 8; streams keyed by seed, configuration, purpose, \
                          strategy, samples, replicate, point (0 where points are shared) and source";
 
 /// Cases, or the exit code after saying what is wrong with them.
-fn select(selectors: &[String]) -> Result<Vec<Case>, u8> {
+pub(super) fn select(selectors: &[String]) -> Result<Vec<Case>, u8> {
     case::select(selectors).map_err(|error| {
         let ink = if coloured() { Ink::Coloured } else { Ink::Plain };
         anstream::eprintln!("{}", error.render(ink));
@@ -36,7 +38,7 @@ fn coloured() -> bool {
 }
 
 /// An error on stderr, and the code to leave with.
-fn fault(code: u8, error: impl std::fmt::Display) -> u8 {
+pub(super) fn fault(code: u8, error: impl std::fmt::Display) -> u8 {
     anstream::eprintln!("error: {error}");
     code
 }
@@ -47,33 +49,51 @@ pub fn run(options: &Run) -> u8 {
 
 fn run_to_end(options: &Run) -> Result<u8, u8> {
     let cases = select(&options.work.cases)?;
+    let sets = guests::sets(&options.points)?;
     report::claim(&options.out).map_err(|error| fault(exit::OUTPUT, error))?;
     set_threads(options.work.threads)?;
     let settings = options.work.settings();
-    let bar = Bar::new(cases.len(), options.quiet);
-    let mut outcome =
-        trial::run(&cases, &settings, &|progress| bar.show(progress)).map_err(|error| fault(exit::BUG, error))?;
-    bar.finish();
+    let mut outcome = if sets.is_empty() || options.work.strategy.is_some() {
+        let bar = Bar::new(cases.len(), options.quiet);
+        let outcome =
+            trial::run(&cases, &settings, &|progress| bar.show(progress)).map_err(|error| fault(exit::BUG, error))?;
+        bar.finish();
+        outcome
+    } else {
+        trial::RunOutcome { seed: settings.seed, command: String::new(), cases: Vec::new() }
+    };
     let selectors: Vec<&str> = options.work.cases.iter().map(String::as_str).collect();
     outcome.command = settings.command(&selectors, None);
+    if !sets.is_empty() {
+        guests::join(&mut outcome, &cases, &settings, &sets, &options.points)?;
+    }
     report::write(&options.out, &outcome, &ReportOptions { generator: GENERATOR, plots: !options.no_plots })
         .map_err(|error| fault(exit::OUTPUT, error))?;
+    conclude(&outcome, Some(&options.out), options.quiet, options.allow_undecided)
+}
+
+/// The verdicts on stdout, and the code that they come to.
+pub(super) fn conclude(
+    outcome: &trial::RunOutcome,
+    report: Option<&Path>,
+    quiet: bool,
+    allow_undecided: bool,
+) -> Result<u8, u8> {
     let styled = anstream::AutoStream::choice(&std::io::stdout()) != anstream::ColorChoice::Never;
-    let layout = TableOptions { styled, width: terminal_width(), report: Some(&options.out), quiet: options.quiet };
-    let table = report::table(&outcome, &layout);
-    print(&table)?;
+    let layout = TableOptions { styled, width: terminal_width(), report, quiet };
+    print(&report::table(outcome, &layout))?;
     let verdicts = || outcome.cases.iter().flat_map(|case| case.verdicts().map(|(_, judged)| judged));
     let any = |verdict| verdicts().any(|judged| judged.verdict == verdict);
     Ok(if any(Verdict::Fail) {
         exit::FAILED
-    } else if any(Verdict::Undecided) && !options.allow_undecided {
+    } else if any(Verdict::Undecided) && !allow_undecided {
         exit::UNDECIDED
     } else {
         exit::PASSED
     })
 }
 
-fn set_threads(threads: Option<u16>) -> Result<(), u8> {
+pub(super) fn set_threads(threads: Option<u16>) -> Result<(), u8> {
     let Some(threads) = threads else { return Ok(()) };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads));
     pool.build_global().map_err(|error| fault(exit::BUG, error))
@@ -267,7 +287,7 @@ fn calibrate_to_end(options: &Calibrate) -> Result<u8, u8> {
     Ok(if calibration.fails() { exit::FAILED } else { exit::PASSED })
 }
 
-fn print(text: &str) -> Result<(), u8> {
+pub(super) fn print(text: &str) -> Result<(), u8> {
     write_out(text.as_bytes())
 }
 

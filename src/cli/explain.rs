@@ -74,26 +74,29 @@ energy: every watt that left a source is booked, once.
   books       emitted = deposited + absorbed + escaped + terminated
   checked     what the rays carried as they left is the sources' closed form; the maps hold what was deposited
   units       W; gaps relative to the sources' power
-  pass        all three gaps below 10^-12, for each budget of rays: rounding, no statistics
+  pass        all three gaps below 10^-12, for each budget of rays: rounding, no statistics. Where theory knows what is
+              deposited (exact_deposited_W), also no evidence that another share was, by the gate of `explain verdict`
   deposited   on the receiver and diffuse surfaces; absorbed by mirrors, occluders, sources, backs of diffuse
               surfaces; escaped: met nothing any more; terminated: beyond the limit of interactions ([light] depth)
 
-What it does not say: that the shares are right. Books balance as well when a lens lets through too much; see caustic.
+What it does not say, where that column is empty: that the shares are right. Books balance as well when a lens lets
+through too much; see caustic.
 ";
 
 const CAUSTIC: &str = "\
-caustic: rings around the axis of a caustic get the flux that is due.
+caustic: rings around the axis of a caustic, or tiles of a cup's floor, get the flux that is due.
 
   known       one lamp, one optic on its axis, a flat receiver square to it: a beam into a paraboloid or spherical
               mirror (1 interaction), through a ball or plano-convex lens (2), a lamp over a slab (2, 4, 6, 8);
-              an area source in one flat mirror (the whole receiver)
+              an area source in one flat mirror (the whole receiver); a slanting beam in half of a cylinder mirror
+              (1; tiles of the floor)
   exact       flux is kept along a tube of rays: the integral of Fresnel's shares over the rays that land in the ring
   statement   a group of rays brings a mean m to the ring, and never more than the flux g that it carries: its
               variance is at most m (g - m), known beforehand, and the gate of `explain verdict` applies
   pass        no evidence against it, and `seen from 0.5 / 5 %`: a deviation of 0.5 % over all rings, of 5 % in the
               worst ring that gets a hundredth of it or more, would have been caught with 99 % probability
 
-What it does not say: nothing of other orders (reflections off the glass), of maps that are not rings, of places on
+What it does not say: nothing of other orders (reflections off the glass), of maps that are neither, of places on
 the caustic itself, where the irradiance has no bound and only rings have a flux.
 ";
 
@@ -150,6 +153,24 @@ lampshade: a bulb in a shell that scatters what it lets through is a source with
   case        [[diffuse.sphere]] inward = true, transmittance = tau, albedo = rho, around a [[source.point]]
 
 What it does not say: the receiver has to be black, so that no light comes back to the shell.
+";
+
+const PICTURE: &str = "\
+picture: the pixels of a rendered receiver show what is due there.
+
+  rendered    K independent pictures (32 or more): direct light by the strategy at the middle of each pixel, plus flux
+              over area in the map's texel around it
+  exact       direct light at that point, plus the exact mean of the bent light over that texel: one flat mirror under
+              area sources, or a lamp whose caustic is known (rays are then followed for the known orders only)
+  judged for  up to 144 pixels of a lattice, and their mean
+  statement   as of `explain bias`: direct light with its predicted variance; a texel, of n groups of rays with a flux g
+              each, with E (g/A - E/n) at most
+  pass        no evidence against it, and a deviation in the mean as large as the study's `smallest_bias` would have been
+              caught; what would have been seen at the worst well-lit pixel is told
+
+Caught by it: light that is counted by the direct term and by the map, a map over the wrong area, a lost shadow.
+
+What it does not say: nothing of the blur within a texel, of light that was scattered twice, of what a [camera] sees.
 ";
 
 const COVARIANCE: &str = "\
@@ -227,16 +248,56 @@ borders on disks and spheres, and where values are interpolated. Variances are p
 Derivatives (`exact --derivative`) are left empty where a textured source is seen.
 ";
 
-const TOPICS: [(&str, &str, &str); 13] = [
+const JUDGE: &str = "\
+judge: a sampler, an estimator or a program of yours, held against the exact irradiance.
+
+  in a Rust test   judge(&Case::shipped(\"penumbra/eclipse\")?).points(\"mine\", &sampler).assert_passes()
+                   .points: a set of points in the unit square; .estimator: a whole estimator; closures will do
+  any language     etendue judge CASE -- PROGRAM...
+  a file           etendue verify CASE estimates.csv        etendue run CASE --points points.txt
+
+A program reads, until its input ends,   point,x_m,y_m,z_m,nx,ny,nz,samples,replicate,seed   (a header, then a line each)
+and writes, in the same order,           point,replicate,samples,value                       (W/m2; a header or none)
+
+  point      counted from 0; x, y, z in metres; n the unit normal: the irradiance that comes straight from the sources
+  samples    how many to take; what a sample is is the program's affair
+  seed       of this one estimate, below 2^53: all randomness comes from it, so that estimates are independent of one
+             another and the pilot's of what is judged
+  answers    line by line or all at the end; any number format that has a point (0.125, 1.25e-1)
+
+The program is told the points and no more of the room: it has its own description of it (etendue check and the case
+file say what stands where). It is started twice, for a pilot and for what is judged.
+
+What the verdict leans on. The variance of an etendue strategy is predicted; of a stranger's estimates it is not. So either
+  pilot      (the default) replicates that are not judged tell it, two standard errors high; where the pilot met too few
+             rays to tell, the larger of the variance of random points and M E / N stands in
+  random     you state that no estimate varies more than that of as many random points (--variance random); a statement
+             that is wrong makes the verdict wrong
+and the verdict says which. Of a file the first quarter of the replicates is the pilot.
+
+Points in a file (run --points FILE): one point a line, two numbers in [0, 1); an empty line between sets; as many points in
+each set. A set is one replicate, at all shading points and on all sources, and none is used twice: 32 sets at least, some
+thousands for a sharp verdict. `etendue points STRATEGY -n N --sets K` writes such a file.
+
+Exit code 2, with a message, and the answers that came before kept in --out: a program that hangs (--timeout, 60 s of
+silence), dies, answers out of order, twice, too little, too much, what was not asked, NaN or no number, or that gives the
+pilot's estimates again with other seeds.
+
+What a pass does not say: nothing beyond `etendue explain verdict`; and nothing of the variance, which is not judged.
+";
+
+const TOPICS: [(&str, &str, &str); 15] = [
     ("verdict", "pass, fail, undecided: what they promise", VERDICT),
     ("bias", "the mean estimate is the exact irradiance", BIAS),
     ("variance", "errors are as large as predicted", VARIANCE),
     ("covariance", "errors move together as predicted", COVARIANCE),
+    ("judge", "your own sampler, estimator, program or file", JUDGE),
     ("energy", "every watt that left a source is booked", ENERGY),
     ("caustic", "rings of a caustic get the flux that is due", CAUSTIC),
     ("indirect", "paths from the eye find what mirrors, glass and walls send on", INDIRECT),
     ("point-source", "power through two spheres: what depends on distance", POINT_SOURCE),
     ("lampshade", "a bulb in a scattering shell as a source with area", LAMPSHADE),
+    ("picture", "the pixels of a rendered receiver show what is due there", PICTURE),
     ("rate", "slopes of log variance over log N", RATE),
     ("correlation", "errors of two points against their distance", CORRELATION),
     ("texture", "exitance and albedo from pictures, chessboards, polynomials", TEXTURE),

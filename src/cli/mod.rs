@@ -2,8 +2,11 @@
 
 mod commands;
 mod explain;
+mod guests;
 mod options;
 mod progress;
+#[cfg(feature = "plots")]
+mod render;
 
 use std::process::ExitCode;
 
@@ -37,6 +40,11 @@ pub fn main() -> ExitCode {
         Some(options::Command::Calibrate(calibrate)) => commands::calibrate(&calibrate),
         Some(options::Command::Plan(plan)) => commands::plan(&plan),
         Some(options::Command::Explain(explain)) => commands::explain(&explain),
+        Some(options::Command::Judge(judge)) => guests::judge(&judge),
+        Some(options::Command::Verify(verify)) => guests::verify(&verify),
+        Some(options::Command::Points(points)) => guests::points(&points),
+        #[cfg(feature = "plots")]
+        Some(options::Command::Render(render)) => render::render(&render),
         Some(options::Command::Run(run)) => commands::run(&run),
         None => commands::run(&options.run),
     };

@@ -8,9 +8,11 @@ use crate::calibration;
 use crate::case::{Replicates, SmallestBias};
 use crate::oracle::Parameter;
 use crate::sampling::Strategy;
+#[cfg(feature = "plots")]
+use crate::trial::PictureSettings;
 use crate::trial::{Effort, Overrides, Settings};
 
-const EXIT_CODES: &str = "\
+pub(super) const EXIT_CODES: &str = "\
 Exit codes:
   0   every verdict passed
   1   a verdict failed
@@ -49,6 +51,18 @@ pub enum Command {
     Calibrate(Calibrate),
     /// What a run would cost and could see, before it is spent
     Plan(Plan),
+    /// Judge a program in any language: points on its standard input, estimates from its standard output
+    #[command(after_help = super::guests::JUDGE_HELP)]
+    Judge(super::guests::JudgeOptions),
+    /// Judge a file of estimates that somebody else made
+    #[command(after_help = super::guests::VERIFY_HELP)]
+    Verify(super::guests::VerifyOptions),
+    /// Write a strategy's points in the unit square, as `run --points` reads them
+    Points(super::guests::PointsOptions),
+    /// Pictures of cases: by their cameras, and of their receivers beside what is exact there
+    #[cfg(feature = "plots")]
+    #[command(after_help = EXIT_CODES)]
+    Render(Render),
     /// A verdict, a strategy, a case or a word of the reports: what it means, and what it does not say
     Explain(Explain),
 }
@@ -103,6 +117,9 @@ pub struct Run {
     /// Write tables only
     #[arg(long)]
     pub no_plots: bool,
+    /// File of point sets, as a strategy `points:NAME`; alone, unless --strategy names others beside it
+    #[arg(long, value_name = "FILE")]
+    pub points: Vec<PathBuf>,
 }
 
 impl Work {
@@ -123,6 +140,47 @@ impl Work {
     }
 }
 
+/// Options of `render`.
+#[cfg(feature = "plots")]
+#[derive(Args, Debug)]
+pub struct Render {
+    /// Case files, folders, or names (whole, a part, or a pattern) of shipped cases
+    #[arg(value_name = "CASE", required_unless_present = "lecture")]
+    pub cases: Vec<String>,
+    /// The figures of the lecture instead
+    #[arg(long, conflicts_with_all = ["cases", "strategy", "samples", "size"])]
+    pub lecture: bool,
+    /// Strategy of the points on the sources
+    #[arg(long, value_name = "NAME", value_parser = strategy, default_value = "stratified")]
+    pub strategy: Strategy,
+    /// Points on each source for each pixel
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1 << 20), default_value_t = 16)]
+    pub samples: u64,
+    /// Width and height of the pictures (default: the camera's; 256 along the longer side of a receiver)
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub size: Option<[usize; 2]>,
+    /// Seed of all random streams
+    #[arg(long, value_name = "SEED", default_value_t = Settings::DEFAULT_SEED)]
+    pub seed: u64,
+    /// Folder that the pictures are written to
+    #[arg(long, short, value_name = "DIR", default_value = "pictures")]
+    pub out: PathBuf,
+    /// Exit with 0 when some verdicts are undecided and none failed
+    #[arg(long)]
+    pub allow_undecided: bool,
+    /// Threads (default: one for each core); the numbers do not depend on it
+    #[arg(long, value_name = "T", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+}
+
+#[cfg(feature = "plots")]
+impl Render {
+    pub fn settings(&self) -> PictureSettings {
+        let Render { strategy, samples, seed, size: pixels, .. } = *self;
+        PictureSettings { strategy, samples, seed, pixels }
+    }
+}
+
 #[derive(Args, Debug)]
 pub struct Plan {
     #[command(flatten)]
@@ -134,7 +192,7 @@ pub struct Plan {
 
 #[derive(Args, Debug)]
 pub struct Explain {
-    /// verdict, bias, variance, covariance, rate, correlation, region, a strategy, or a shipped case; none: what there is
+    /// verdict, bias, variance, covariance, judge, rate, correlation, region, a strategy, or a shipped case; none: what there is
     #[arg(value_name = "NAME")]
     pub name: Option<String>,
 }
@@ -194,12 +252,21 @@ impl Calibrate {
     }
 }
 
-fn strategy(name: &str) -> Result<Strategy, String> {
+pub(super) fn strategy(name: &str) -> Result<Strategy, String> {
     let known = || Strategy::ALL.map(Strategy::name).join(", ");
     Strategy::from_name(name).ok_or_else(|| format!("no such strategy; there are {}", known()))
 }
 
-fn replicates(text: &str) -> Result<Replicates, String> {
+#[cfg(feature = "plots")]
+fn size(text: &str) -> Result<[usize; 2], String> {
+    let sides = text.split_once(['x', 'X', '×']).map(|(width, height)| (width.parse(), height.parse()));
+    match sides {
+        Some((Ok(width), Ok(height))) if width > 0 && height > 0 => Ok([width, height]),
+        _ => Err("a width and a height in pixels, such as 512x512".to_owned()),
+    }
+}
+
+pub(super) fn replicates(text: &str) -> Result<Replicates, String> {
     match text {
         "auto" => Ok(Replicates::Auto),
         _ => match text.parse() {
@@ -209,7 +276,7 @@ fn replicates(text: &str) -> Result<Replicates, String> {
     }
 }
 
-fn smallest_bias(text: &str) -> Result<SmallestBias, String> {
+pub(super) fn smallest_bias(text: &str) -> Result<SmallestBias, String> {
     let number = |text: &str| match text.trim().parse::<f64>() {
         Ok(x) if x.is_finite() && x > 0.0 => Ok(x),
         _ => Err("one or two numbers greater than zero, such as 0.01 or 0.01,0.1".to_owned()),

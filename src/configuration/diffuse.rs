@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::{ConfigurationError, ReceiverShape};
-use crate::geometry::{Polygon, Shape};
+use crate::geometry::Shape;
 use crate::radiometry::{Albedo, Exitance};
 
 /// A Lambertian surface. Its front (outside, for a sphere) receives and emits; its back is black. Opaque from both sides.
@@ -82,14 +82,7 @@ impl DiffuseSurface {
     }
     /// The same surface as a shape that emits and blocks.
     pub fn as_shape(&self) -> Shape {
-        match &self.shape {
-            ReceiverShape::Rectangle(s) => Shape::Rectangle(*s),
-            ReceiverShape::Disk(s) => Shape::Disk(*s),
-            ReceiverShape::Sphere(s) => Shape::Sphere(*s),
-            ReceiverShape::Triangle(s) => {
-                Shape::Polygon(Polygon::new(s.vertices().to_vec()).expect("a triangle is a polygon"))
-            }
-        }
+        self.shape.as_shape()
     }
     /// Whether a sphere lies within this enclosure; true of what is none.
     pub(super) fn encloses(&self, center: DVec3, radius: f64) -> bool {

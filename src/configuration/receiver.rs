@@ -6,7 +6,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::{ConfigurationError, MeasurementPoint};
-use crate::geometry::{Disk, Frame, Rectangle, Sphere, Triangle};
+use crate::geometry::{Disk, Frame, Polygon, Rectangle, Shape, Sphere, Triangle};
 use crate::radiometry::Albedo;
 use crate::texture::Texture;
 
@@ -21,6 +21,24 @@ pub enum ReceiverShape {
     Disk(Disk),
     Triangle(Triangle),
     Sphere(Sphere),
+}
+
+impl ReceiverShape {
+    /// The same surface as a shape of its own.
+    pub fn as_shape(&self) -> Shape {
+        match self {
+            ReceiverShape::Rectangle(s) => Shape::Rectangle(*s),
+            ReceiverShape::Disk(s) => Shape::Disk(*s),
+            ReceiverShape::Sphere(s) => Shape::Sphere(*s),
+            ReceiverShape::Triangle(s) => {
+                Shape::Polygon(Polygon::new(s.vertices().to_vec()).expect("a triangle is a polygon"))
+            }
+        }
+    }
+    /// Lowest and highest coordinates of a box around it, metres.
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        self.as_shape().bounds()
+    }
 }
 
 /// A receiving surface. It blocks no light.

@@ -269,6 +269,11 @@ impl Emitter {
         self.surface.area()
     }
 
+    /// Area × exitance / π, W/sr; area / π where the exitance is read at each place.
+    pub(super) fn strength(&self) -> f64 {
+        self.strength
+    }
+
     /// Puts the first `len` points of a block on the source.
     #[inline(always)]
     pub(super) fn place(&self, squares: &Squares, len: usize, places: &mut SurfaceBlock) {
@@ -339,7 +344,7 @@ impl Emitter {
 
     /// Weighs contributions by the exitance at their places, where a texture says that.
     #[inline(always)]
-    fn weigh(&self, places: &SurfaceBlock, len: usize, shading: &mut Shading) {
+    pub(super) fn weigh(&self, places: &SurfaceBlock, len: usize, shading: &mut Shading) {
         if self.texture.is_none() {
             return;
         }

@@ -5,6 +5,7 @@
 mod area;
 mod cosine;
 mod draws;
+mod guest;
 mod mixture;
 mod solid_angle;
 
@@ -12,6 +13,7 @@ use std::ops::Range;
 
 pub use area::{AreaEstimator, Scratch};
 pub use cosine::CosineEstimator;
+pub use guest::{Guest, GuestEstimator, GuestFault, GuestPoints, IrradianceEstimator, PointSampler};
 pub use mixture::MixtureEstimator;
 pub use solid_angle::SolidAngleEstimator;
 

@@ -16,7 +16,9 @@ pub use closed::{PlanoConvex, Slab};
 pub use curved::{Cylinder, Paraboloid, SphereCap};
 pub use frame::Frame;
 pub use mesh::Mesh;
-pub use parametrisation::{Isoline, MapTriangle, Parametrisation, ParametrisationError, Texel, TexelGrid};
+pub use parametrisation::{
+    Isoline, MapTriangle, Parametrisation, ParametrisationError, Texel, TexelFinder, TexelGrid,
+};
 pub use partition::Partition;
 pub use polygon::Polygon;
 pub use shape::{Disk, Rectangle, Shape, ShapeError, Sphere, Triangle};

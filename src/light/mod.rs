@@ -55,6 +55,7 @@ mod ledger;
 mod map;
 mod room;
 mod settings;
+mod sight;
 mod tally;
 mod trace;
 
@@ -65,6 +66,7 @@ pub(crate) use tally::Tally;
 
 pub use interface::{Interface, reflected};
 pub use ledger::{Ledger, Moments, Sum};
-pub use map::{Light, RingMap, TexelMap};
+pub use map::{Light, RingMap, TexelMap, TileMap};
 pub use settings::{Aim, LightSettings, Rings, Split};
+pub use sight::{First, Seen, Sight, Sighting};
 pub use trace::{LightRun, LightTracer, trace};

@@ -130,10 +130,6 @@ impl Room {
     pub fn of_receiver(&self) -> Option<usize> {
         self.of_receiver
     }
-    /// Those without thickness.
-    pub fn n_surfaces(&self) -> usize {
-        self.surfaces.len()
-    }
     /// The receiver's map, then one for each diffuse surface.
     pub fn n_maps(&self) -> usize {
         self.n_maps
@@ -147,6 +143,10 @@ impl Room {
     }
     pub fn ior(&self, glass: usize) -> f64 {
         self.glass[glass].ior
+    }
+    /// Surfaces without thickness; those of sources come first, in their order.
+    pub fn n_surfaces(&self) -> usize {
+        self.surfaces.len()
     }
     pub fn role(&self, surface: usize) -> Role {
         self.surfaces[surface].role
@@ -201,11 +201,32 @@ impl Room {
         if !self.meshes.is_empty() {
             // A mesh is asked only whether it comes before: what it stops is absorbed, wherever that is.
             let far = self.way_out(from, direction).min(found.0);
-            if far > 0.0 && self.meshes.iter().any(|mesh| mesh.blocks(from, from + direction * far)) {
+            if self.mesh_before(from, direction, far) {
                 found = (far, Met::Mesh);
             }
         }
         found
+    }
+
+    /// Whether a mesh comes before a distance, metres.
+    pub fn mesh_before(&self, from: DVec3, direction: DVec3, far: f64) -> bool {
+        // The hierarchy is made for ends within the bounds: from outside of them, the way in meets none.
+        let near = self.way_in(from, direction);
+        far > near && self.meshes.iter().any(|mesh| mesh.blocks(from + direction * near, from + direction * far))
+    }
+
+    /// How far along a ray the room begins; nought for a ray that starts within it.
+    fn way_in(&self, from: DVec3, direction: DVec3) -> f64 {
+        let (low, high) = self.bounds;
+        if from.cmpge(low).all() && from.cmple(high).all() {
+            return 0.0;
+        }
+        let of_axis = |k: usize| {
+            let border = if direction[k] > 0.0 { low[k] } else { high[k] };
+            let distance = (border - from[k]) / direction[k];
+            if distance.is_finite() { distance } else { 0.0 }
+        };
+        of_axis(0).max(of_axis(1)).max(of_axis(2)).max(0.0)
     }
 
     /// How far along a ray the room ends; not above nought where the ray is out of it for good.

@@ -182,7 +182,7 @@ impl PathTracer {
         let mut draws = Draws::new(key);
         let light = LightSettings { depth: self.settings.chain, split: Split::One, ..LightSettings::default() };
         let tracer = Tracer::new(&self.room, &[], &light);
-        let mut tally = Tally::new(0, 0, 0, self.room.n_optics());
+        let mut tally = Tally::new(0, 0, [0, 0], self.room.n_optics());
         let mut branches: Vec<Ray> = Vec::new();
         let (room, skins, targets, lamps) = (&self.room, &self.skins[..], &self.targets[..], &self.lamps[..]);
         let walker = Walker { room, skins, targets, lamps, settings: self.settings, weighing };

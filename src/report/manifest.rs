@@ -27,7 +27,7 @@ struct ManifestCase<'a> {
     title: &'a str,
     digest: String,
     points: usize,
-    strategies: Vec<&'static str>,
+    strategies: Vec<&'a str>,
 }
 
 /// The text of `manifest.json`.
@@ -47,7 +47,7 @@ pub(super) fn manifest(outcome: &RunOutcome, generator: &str) -> String {
                 title: &case.title,
                 digest: case.digest.to_string(),
                 points: case.points.len(),
-                strategies: case.strategies.iter().map(|s| s.strategy.name()).collect(),
+                strategies: case.strategies.iter().map(|s| s.name()).collect(),
             })
             .collect(),
     };

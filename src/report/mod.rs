@@ -3,6 +3,7 @@
 //! - [`claim`] finds an unwritable folder before the work starts;
 //! - [`write`](fn@write) fills it: CSV tables, `manifest.json`, and plots (feature `plots`);
 //! - [`write_calibration`] does the same for a calibration of the gate;
+//! - `write_pictures` and `write_lecture` write rendered pictures (feature `plots`);
 //! - [`table`] tells the verdicts on a terminal; [`write_exact`] prints exact values, [`write_limits`] shadow limits.
 //!
 //! The meaning of every column is in `reports/README.md`, which [`column_reference`] writes. Everything but
@@ -12,14 +13,20 @@ mod calibration;
 mod column;
 mod error;
 mod exact;
+#[cfg(feature = "plots")]
+mod exr;
 mod folder;
 mod forecast;
+#[cfg(feature = "plots")]
+mod image;
 mod light;
 mod limits;
 mod manifest;
 mod paths;
 #[cfg(feature = "plots")]
 mod plot;
+#[cfg(feature = "plots")]
+mod render;
 mod tables;
 mod terminal;
 
@@ -38,6 +45,10 @@ pub use exact::{ExactCase, write_exact};
 pub use folder::claim;
 pub use forecast::forecast_table;
 pub use limits::{LimitsCase, write_limits};
+#[cfg(feature = "plots")]
+pub use render::{
+    CasePictures, WrittenPicture, claim_pictures, listed, pictures_table, write_lecture, write_pictures,
+};
 pub use terminal::{TableOptions, table};
 
 /// How a report is written.
@@ -89,6 +100,7 @@ fn csv_files(outcome: &RunOutcome) -> Result<Vec<(&'static str, Vec<u8>)>, Repor
         filled(tables::correlation(), tables::correlation_rows(outcome))?,
         filled(light::energy(), light::energy_rows(outcome))?,
         filled(light::caustic(), light::caustic_rows(outcome))?,
+        filled(light::texels(), light::texel_rows(outcome))?,
         filled(paths::paths(), paths::path_rows(outcome))?,
         filled(tables::verdicts(), tables::verdict_rows(outcome))?,
         filled(tables::timings(), tables::timing_rows(outcome))?,
@@ -114,6 +126,7 @@ the tables.)*
         tables::correlation().described(),
         light::energy().described(),
         light::caustic().described(),
+        light::texels().described(),
         paths::paths().described(),
         tables::verdicts().described(),
         tables::timings().described(),

@@ -64,7 +64,7 @@ pub(super) fn convergence<'a>() -> Table<ConvergenceRow<'a>> {
                 "strategy",
                 "",
                 "how points on the sources were chosen: `random`, `correlated`, `stratified`",
-                |r| r.strategy.strategy.name()
+                |r| r.strategy.name()
             ),
             column!("point", "", "which measurement point, from 0, in the case's order", |r| r.point),
             column!("x_m", "m", "where the point is", |r| r.case.points[r.point].position().x),
@@ -134,7 +134,7 @@ pub(super) fn rates<'a>() -> Table<Of<'a, Rate>> {
         case: |r| &r.case.name,
         columns: vec![
             column!("case", "", "the case's name", |r| r.case.name.as_str()),
-            column!("strategy", "", "the strategy's name", |r| r.strategy.strategy.name()),
+            column!("strategy", "", "the strategy's name", |r| r.strategy.name()),
             column!("quantity", "", "what falls: `variance` (the mean over the region's points)", |r| r
                 .item
                 .quantity),
@@ -173,7 +173,7 @@ pub(super) fn correlation<'a>() -> Table<Of<'a, Correlation>> {
         case: |r| &r.case.name,
         columns: vec![
             column!("case", "", "the case's name", |r| r.case.name.as_str()),
-            column!("strategy", "", "the strategy's name", |r| r.strategy.strategy.name()),
+            column!("strategy", "", "the strategy's name", |r| r.strategy.name()),
             column!("samples", "", "points on each source that one estimate uses, N", |r| r.item.samples),
             column!("separation_m", "m", "distance between the two points of a pair", |r| r.item.separation),
             column!("correlation", "", "of the two points' errors over the replicates, in [−1, 1]", |r| r
@@ -195,7 +195,7 @@ pub(super) fn correlation<'a>() -> Table<Of<'a, Correlation>> {
 /// One verdict.
 pub(super) struct VerdictRow<'a> {
     case: &'a CaseOutcome,
-    strategy: &'static str,
+    strategy: &'a str,
     item: &'a JudgedProperty,
 }
 
@@ -287,7 +287,7 @@ pub(super) fn timings<'a>() -> Table<TimingRow<'a>> {
             column!("case", "", "the case's name", |r| r.case.name.as_str()),
             column!("strategy", "", "the strategy's name; empty for a stage that belongs to none", |r| r
                 .strategy
-                .map(|s| s.strategy.name())),
+                .map(|s| s.name())),
             column!("stage", "", "which part of the work", |r| r.timing.stage),
             column!("rays", "", "shadow rays, exact evaluations or estimates that it went through", |r| r
                 .timing

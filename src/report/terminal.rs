@@ -35,7 +35,7 @@ const WIDEST: usize = 120;
 /// One verdict with where it belongs.
 struct Line<'a> {
     case: &'a str,
-    strategy: &'static str,
+    strategy: &'a str,
     judged: &'a JudgedProperty,
 }
 

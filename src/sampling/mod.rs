@@ -5,6 +5,7 @@
 //! stream, first for u, then for v. That order is part of the format: a wider instruction set moves no number.
 
 mod arc;
+mod draws;
 mod ears;
 mod hemisphere;
 mod lanes;
@@ -15,6 +16,7 @@ mod spherical;
 mod strategy;
 mod warp;
 
+pub use draws::Draws;
 pub use hemisphere::cosine_weighted;
 pub use lanes::{LANES, Lanes, Stream};
 pub use pattern::{Pattern, Squares, fill_side_by_side};

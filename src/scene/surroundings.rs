@@ -185,6 +185,12 @@ fn reach(configuration: &Configuration) -> (DVec3, DVec3) {
         let (low, high) = source.shape().bounds();
         reach = (reach.0.min(low), reach.1.max(high));
     }
+    // Shading points may lie anywhere on these.
+    let receiver = configuration.receiver().map(|receiver| receiver.shape().bounds());
+    let diffuse = configuration.diffuse().iter().map(|surface| surface.shape().bounds());
+    for (low, high) in receiver.into_iter().chain(diffuse) {
+        reach = (reach.0.min(low), reach.1.max(high));
+    }
     for point in configuration.points() {
         reach = (reach.0.min(point.position()), reach.1.max(point.position()));
     }

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::axis::Axis;
 use super::triangle::Bilinear;
 use super::{Raster, Seams};
-use crate::geometry::{Parametrisation, Texel};
+use crate::geometry::{Parametrisation, Texel, TexelFinder};
 
 /// How a value is read between texels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,7 +34,7 @@ pub enum Lookup {
 /// let map = Parametrisation::sphere(&globe, DVec3::Z, DVec3::X)?;
 /// let board = Raster::checker(TexelGrid::new(8, 4)?, 2.0, 0.0)?;
 /// let nearest = Texels::new(map, board.clone(), Lookup::Nearest);
-/// assert_eq!(nearest.at(DVec3::new(0.9, 0.1, -0.9)), 2.0);
+/// assert_eq!(nearest.at(DVec3::new(0.5, 0.1, -0.9)), 2.0);
 /// // Half of the sphere shines, however it is read.
 /// let blended = Texels::new(map, board, Lookup::Bilinear);
 /// assert!((nearest.integral() / globe.area() - 1.0).abs() < 1e-14);
@@ -53,8 +53,13 @@ pub struct Texels {
 /// What the lookup needs.
 #[derive(Clone, Debug, PartialEq)]
 enum Reading {
-    Nearest,
-    Blended { columns: Axis, rows: Axis, row_means: Vec<f64> },
+    /// On round surfaces texels are found without arcs.
+    Nearest(Option<TexelFinder>),
+    Blended {
+        columns: Axis,
+        rows: Axis,
+        row_means: Vec<f64>,
+    },
     Triangle(Bilinear),
 }
 
@@ -64,7 +69,7 @@ impl Texels {
         let grid = raster.grid();
         let integral = sum(grid.texels().map(|texel| raster.value(texel) * map.texel_area(grid, texel)));
         let reading = match (lookup, map.map_triangle()) {
-            (Lookup::Nearest, _) => Reading::Nearest,
+            (Lookup::Nearest, _) => Reading::Nearest(TexelFinder::new(&map, grid)),
             (Lookup::Bilinear, Some(_)) => Reading::Triangle(Bilinear::new(&map, &raster, integral)),
             (Lookup::Bilinear, None) => {
                 let even = |n: usize| (0..=n).map(move |k| k as f64 / n as f64);
@@ -105,6 +110,9 @@ impl Texels {
 
     /// The value at a point of the surface, metres.
     pub fn at(&self, point: DVec3) -> f64 {
+        if let Reading::Nearest(Some(finder)) = &self.reading {
+            return self.raster.value(finder.texel(point));
+        }
         self.at_map(self.map.to_map(point))
     }
 
@@ -112,7 +120,7 @@ impl Texels {
     pub fn at_map(&self, [s, t]: [f64; 2]) -> f64 {
         let own = self.raster.grid().texel([s, t]);
         match &self.reading {
-            Reading::Nearest => self.raster.value(own),
+            Reading::Nearest(_) => self.raster.value(own),
             Reading::Triangle(bilinear) => bilinear.at([s, t]),
             Reading::Blended { columns, rows, row_means } => {
                 let share = self.map.share_below(t).unwrap_or(t);
@@ -148,7 +156,7 @@ impl Texels {
         let borders = |n: usize| (1..n).map(move |k| k as f64 / n as f64);
         let middles = |n: usize| (0..n).map(move |k| (k as f64 + 0.5) / n as f64).collect();
         match &self.reading {
-            Reading::Nearest => {
+            Reading::Nearest(_) => {
                 // The seam is a border too.
                 let seam = (self.map.wraps() && grid.ns() > 1).then_some(0.0);
                 Seams {

@@ -6,9 +6,13 @@ use crate::sampling::Strategy;
 use crate::statistics::Verdict;
 
 /// Turns failures that are accepted into passes that say so; and marks those that are listed and no longer seen.
-pub(super) fn accept(verdicts: &mut [JudgedProperty], strategy: Strategy, accepted: &[Accepted]) {
+///
+/// - `strategy`: `None` for a guest, of whom only what is accepted of everybody is
+pub(super) fn accept(verdicts: &mut [JudgedProperty], strategy: Option<Strategy>, accepted: &[Accepted]) {
     for judged in verdicts {
-        let own = |item: &&Accepted| item.property == judged.property && item.strategy.is_none_or(|s| s == strategy);
+        let own = |item: &&Accepted| {
+            item.property == judged.property && (item.strategy.is_none() || item.strategy == strategy)
+        };
         let Some(item) = accepted.iter().filter(own).max_by(|a, b| a.size.total_cmp(&b.size)) else { continue };
         let largest = judged.effect_low.abs().max(judged.effect_high.abs());
         let percent = 100.0 * item.size;
@@ -56,7 +60,7 @@ mod tests {
         let list = [item(Some(Strategy::Random))];
         let after = |verdict, effect, strategy| {
             let mut verdicts = [judged(verdict, effect)];
-            accept(&mut verdicts, strategy, &list);
+            accept(&mut verdicts, Some(strategy), &list);
             let [judged] = verdicts;
             (judged.verdict, judged.note)
         };

@@ -22,17 +22,39 @@ enum Subject {
     Contrast(usize),
 }
 
+/// Who is judged, and what people are told of it.
+pub(super) struct Judged<'a> {
+    pub name: &'a str,
+    /// The command line that gives the same verdict.
+    pub reproduce: String,
+    /// Where more replicates come from: what follows after their number.
+    pub more: &'a str,
+}
+
+impl<'a> Judged<'a> {
+    /// One of etendue's own strategies.
+    pub fn strategy(strategy: Strategy, study: &Study, reproduce: String) -> Judged<'a> {
+        Judged { name: strategy.name(), reproduce, more: Judged::more_of(study.replicates) }
+    }
+
+    /// Where estimates are made as they are asked for.
+    pub fn more_of(replicates: Replicates) -> &'static str {
+        match replicates {
+            Replicates::Fixed(_) => "replicates would do (or --replicates auto)",
+            Replicates::Auto => "replicates would do (--replicates), beyond what auto spends on a case",
+        }
+    }
+}
+
 /// Judges the bias of one case under one strategy.
 ///
 /// - `cells`, `plans`: one for each sample count, in the same order
-/// - `reproduce`: the command line that gives the same verdict
 pub(super) fn bias(
     prepared: &Prepared,
     study: &Study,
-    strategy: Strategy,
+    judged: Judged,
     cells: &[CellSums],
     plans: &[CellPlan],
-    reproduce: String,
 ) -> JudgedProperty {
     let subjects = (0..prepared.exact.len())
         .map(Subject::Point)
@@ -72,9 +94,9 @@ pub(super) fn bias(
     let shown = if verdict == Verdict::Fail { (subject, at) } else { (Subject::Contrast(0), None) };
     let effect = effect(prepared, shown.0, shown.1, cells, plans);
     let words = match verdict {
-        Verdict::Fail => fail_words(prepared, strategy, shown, cells, effect),
+        Verdict::Fail => fail_words(prepared, judged.name, shown, cells, effect),
         Verdict::Pass => pass_words(mean, point),
-        Verdict::Undecided => undecided_words(prepared, study, plans, mean, point),
+        Verdict::Undecided => undecided_words(prepared, study, judged.more, plans, mean, point),
     };
     JudgedProperty {
         property: "bias",
@@ -88,7 +110,7 @@ pub(super) fn bias(
         smallest_bias_point: point,
         words,
         note: None,
-        reproduce,
+        reproduce: judged.reproduce,
     }
 }
 
@@ -183,7 +205,7 @@ fn pass_words(mean: Option<f64>, point: Option<f64>) -> String {
 
 fn fail_words(
     prepared: &Prepared,
-    strategy: Strategy,
+    name: &str,
     (subject, at): (Subject, Option<usize>),
     cells: &[CellSums],
     (deviation, error): (f64, f64),
@@ -194,12 +216,13 @@ fn fail_words(
         Subject::Contrast(k) => format!("in contrast {k} along the points, relative to the mean"),
     };
     let count = at.map_or("all sample counts together".to_owned(), |index| format!("N = {}", cells[index].samples));
-    format!("{strategy} is biased by {:+.3} % ± {:.3} % {place}, {count}", 100.0 * deviation, 100.0 * Z_95 * error)
+    format!("{name} is biased by {:+.3} % ± {:.3} % {place}, {count}", 100.0 * deviation, 100.0 * Z_95 * error)
 }
 
 fn undecided_words(
     prepared: &Prepared,
     study: &Study,
+    more: &str,
     plans: &[CellPlan],
     mean: Option<f64>,
     point: Option<f64>,
@@ -215,10 +238,8 @@ fn undecided_words(
     let replicates = plans.iter().map(|plan| plan.replicates as f64 * factor).fold(0.0, f64::max);
     let how = if !replicates.is_finite() {
         "no number of replicates is enough".to_owned()
-    } else if matches!(study.replicates, Replicates::Fixed(_)) {
-        format!("about {replicates:.0} replicates would do (or --replicates auto)")
     } else {
-        format!("about {replicates:.0} replicates would do (--replicates), beyond what auto spends on a case")
+        format!("about {replicates:.0} {more}")
     };
     format!(
         "too little evidence: a bias of {} in the mean ({} asked) and {} at the worst of {} points ({} asked) would have been seen; {how}",

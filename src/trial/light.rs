@@ -7,19 +7,27 @@
 //!   group's deposit X in a ring is no more than g and no less than nought, and with the exact mean m its variance is at
 //!   most m (g − m): known beforehand, whatever the optics, and exact where a group is one ray.
 
+use std::f64::consts::PI;
 use std::time::Instant;
 
+use super::map_error;
 use super::outcome::{CausticBin, JudgedProperty, LightOutcome, LightRow, Timing};
 use crate::case::{Case, SmallestBias};
-use crate::configuration::Configuration;
-use crate::light::{Light, LightRun, LightSettings, Moments, trace};
-use crate::oracle::optics::{CausticLayout, power_by_flat_mirror, power_by_lampshade, power_through_two_spheres};
+use crate::configuration::{Configuration, ReceiverShape};
+use crate::geometry::{Texel, TexelGrid};
+use crate::light::{Light, LightRun, LightSettings, Moments, Sum, TexelMap, trace};
+use crate::oracle::optics::{
+    Bounded, CausticLayout, CupLayout, deposited_power, power_by_flat_mirror, power_by_lampshade,
+    power_through_two_spheres,
+};
 use crate::statistics::evidence::{THRESHOLD_LOG10, ln_average, log10_capped, smallest_shift};
 use crate::statistics::interval::Z_95;
 use crate::statistics::{Capital, Observed, Statement, Verdict};
 
 /// What the books may be off by, relative to what was emitted.
 const ROUNDING: f64 = 1e-12;
+/// Share of the power beyond which taking polarised light for unpolarised is told of.
+const DEPOLARISED: f64 = 1e-4;
 /// Of the flux of all rings of an order: a ring below it is shown, and no promise is made of it.
 const WELL_LIT: f64 = 0.01;
 
@@ -39,30 +47,65 @@ pub(super) fn light(
         return None;
     }
     let layout = CausticLayout::of(room);
+    let due = deposited_power(room, case.light.depth);
     let most = if quick { (case.light.rays / 16).max(1) } else { case.light.rays };
     let start = Instant::now();
     let mut rows = Vec::new();
     let mut last = None;
+    let mut texels = Vec::new();
+    let grid = TexelGrid::new(case.light.map[0], case.light.map[1]).ok();
+    let squares = match (&layout, grid) {
+        (Some(layout), Some(grid)) => map_error::squares(room, layout, grid),
+        _ => Vec::new(),
+    };
     for rays in [most.div_ceil(16), most.div_ceil(4), most] {
         let settings = LightSettings { rays, ..case.light.clone() };
         let run = trace(room, &settings, seed);
-        rows.push(row(&run));
+        rows.push(row(&run, room, due));
+        texels.extend(map_error::rows(&run, &squares));
         last = Some(run);
     }
     let run = last?;
     let seconds = start.elapsed().as_secs_f64();
     let mut bins = layout.as_ref().map_or_else(Vec::new, |layout| bins(&run, layout));
     bins.extend(on_all(&run, room));
-    let mut verdicts = vec![energy(&rows, reproduce)];
+    bins.extend(tiles(&run, room));
+    let due = due.map(|due| deposit_claim(&run, due));
+    let mut books = energy(&rows, due.as_ref(), reproduce);
+    books.note = note(&run, room);
+    let mut verdicts = vec![books];
     verdicts.extend(caustic(&run, &bins, smallest, reproduce));
     let rays = rows.iter().map(|row| row.rays).sum();
     let timing = Timing { stage: "light", rays, seconds, efficiency: None };
-    Some(LightOutcome { rows, bins, verdicts, timing })
+    Some(LightOutcome { rows, bins, texels, verdicts, timing })
+}
+
+/// What a reader should know of a run that no verdict says.
+fn note(run: &LightRun, room: &Configuration) -> Option<String> {
+    let names = (0..room.mirrors().len()).map(|i| format!("mirror {i}"));
+    let names = names.chain((0..room.glass().len()).map(|i| format!("glass {i}")));
+    let dark: Vec<String> = names.zip(&run.reached).filter(|(_, rays)| **rays == 0).map(|(name, _)| name).collect();
+    let mut told = Vec::new();
+    if !dark.is_empty() {
+        told.push(format!("no light reaches {}", dark.join(", ")));
+    }
+    let share = run.depolarised_flux / run.ledger.source_power;
+    if share > DEPOLARISED {
+        told.push(format!(
+            "at {} interactions, {:.2} % of the power, light left its plane of incidence and went on as unpolarised, an \
+             approximation",
+            run.depolarised,
+            100.0 * share
+        ));
+    }
+    (!told.is_empty()).then(|| told.join("; "))
 }
 
 /// The books of one run.
-fn row(run: &LightRun) -> LightRow {
-    let map_integral = run.maps.iter().map(|map| map.total(Light::Both)).sum::<f64>();
+fn row(run: &LightRun, room: &Configuration, due: Option<Bounded>) -> LightRow {
+    let receiver = room.receiver().map(|receiver| *receiver.shape());
+    let surfaces = receiver.into_iter().chain(room.diffuse().iter().map(|surface| *surface.shape()));
+    let map_integral = run.maps.iter().zip(surfaces).map(|(map, shape)| integral(map, &shape)).sum::<f64>();
     let ledger = &run.ledger;
     let off = |a: f64, b: f64| (a - b).abs() <= ROUNDING * ledger.source_power.abs();
     let balanced = ledger.relative_residual() <= ROUNDING
@@ -80,9 +123,36 @@ fn row(run: &LightRun) -> LightRow {
         terminated: ledger.terminated,
         residual: ledger.residual(),
         map_integral,
-        exact_deposited: None,
+        exact_deposited: due.map(|due| due.value),
         verdict,
     }
+}
+
+/// What the irradiances of a map come to over its surface, W, by areas of texels that are none of the map's own: a map that
+/// forgets how its texels shrink towards a pole does not hold what was deposited.
+fn integral(map: &TexelMap, shape: &ReceiverShape) -> f64 {
+    let grid = map.grid();
+    let share = 1.0 / grid.n_texels() as f64;
+    let area = |texel: Texel| match shape {
+        ReceiverShape::Rectangle(s) => s.edge_u().cross(s.edge_v()).length() * share,
+        // Rings of equal area, by (distance/radius)².
+        ReceiverShape::Disk(s) => PI * s.radius() * s.radius() * share,
+        // Archimedes: as much as on the cylinder around it. The height between two polar angles, without cancellation.
+        ReceiverShape::Sphere(s) => {
+            let [_, [south, north]] = grid.extent(texel);
+            let height = 2.0 * (0.5 * PI * (south + north)).sin() * (0.5 * PI * (north - south)).sin();
+            2.0 * PI * s.radius() * s.radius() * height / grid.ns() as f64
+        }
+        // Cut by its sides.
+        ReceiverShape::Triangle(_) => map.area(texel),
+    };
+    let mut sum = Sum::default();
+    for texel in grid.texels() {
+        if let Some(irradiance) = map.irradiance(texel, Light::Both) {
+            sum += irradiance.watts_per_square_metre() * area(texel);
+        }
+    }
+    sum.value()
 }
 
 /// The rings of the known orders, where the case's rings lie around the layout's axis and on its receiver.
@@ -103,6 +173,7 @@ fn bins(run: &LightRun, layout: &CausticLayout) -> Vec<CausticBin> {
                 order,
                 bin: ring,
                 radii: Some([from, to]),
+                tile: None,
                 area: rings.area(ring),
                 measured: found.watts(),
                 std_error: found.std_error(n_groups),
@@ -131,6 +202,7 @@ fn on_all(run: &LightRun, room: &Configuration) -> Option<CausticBin> {
         order,
         bin: 0,
         radii: None,
+        tile: None,
         area: map.grid().texels().map(|texel| map.area(texel)).sum(),
         measured: found.watts(),
         std_error: found.std_error(run.ledger.groups),
@@ -141,6 +213,33 @@ fn on_all(run: &LightRun, room: &Configuration) -> Option<CausticBin> {
     };
     bin.verdict = judge(run, &bin, 1);
     Some(bin)
+}
+
+/// The tiles of a cup's floor that lie within its wall.
+fn tiles(run: &LightRun, room: &Configuration) -> Vec<CausticBin> {
+    let (Some(map), Some(layout)) = (&run.tiles, CupLayout::of(room)) else { return Vec::new() };
+    let bin = |tile| {
+        let [s, t] = map.tiles.extent(tile);
+        let exact = layout.power_in_part(s, t)?;
+        let found = map.moments(CupLayout::ORDER, tile);
+        Some(CausticBin {
+            order: CupLayout::ORDER,
+            bin: map.tiles.index(tile),
+            radii: None,
+            tile: Some([tile.i, tile.j]),
+            area: map.area(tile),
+            measured: found.watts(),
+            std_error: found.std_error(map.n_groups()),
+            exact: exact.value,
+            bound: exact.bound,
+            verdict: Verdict::Undecided,
+            found,
+        })
+    };
+    let mut bins: Vec<CausticBin> = map.tiles.texels().filter_map(bin).collect();
+    let judged: Vec<Verdict> = bins.iter().map(|bin| judge(run, bin, bins.len())).collect();
+    bins.iter_mut().zip(judged).for_each(|(bin, verdict)| bin.verdict = verdict);
+    bins
 }
 
 /// The flux that each group carries, and how many there are.
@@ -191,11 +290,34 @@ fn judge(run: &LightRun, bin: &CausticBin, components: usize) -> Verdict {
     }
 }
 
-fn energy(rows: &[LightRow], reproduce: &str) -> JudgedProperty {
+/// That as much was deposited as is due.
+fn deposit_claim(run: &LightRun, due: Bounded) -> Claim {
+    let mut found = Moments::default();
+    found.flux += run.ledger.deposited;
+    // No group leaves more than it carried: its square is at most that times what it left.
+    found.squares = groups(run).0 * run.ledger.deposited;
+    Claim::new(run, &found, due.value, due.bound)
+}
+
+/// - `due`: what should have been deposited, where that is known
+fn energy(rows: &[LightRow], due: Option<&Claim>, reproduce: &str) -> JudgedProperty {
     let worst = rows.iter().map(LightRow::largest_gap).fold(0.0, f64::max);
     let balanced = rows.iter().all(|row| row.verdict == Verdict::Pass);
-    let words = if balanced {
-        format!("every watt is booked: gaps in the books of at most {worst:.1e} of what was emitted")
+    let evidence = due.map_or(0.0, |due| log10_capped(due.capital()));
+    let is_due = evidence < THRESHOLD_LOG10;
+    // Books that do not balance come first; else what the deposited share is off by, where that is known.
+    let (effect, error) = due.filter(|_| balanced).map_or((worst, 0.0), deviation);
+    let words = if balanced && is_due {
+        let share = due.map_or(String::new(), |due| {
+            format!("; no deviation of the deposited share above {:.2} %", 100.0 * due.seen(1))
+        });
+        format!("every watt is booked: gaps in the books of at most {worst:.1e} of what was emitted{share}")
+    } else if balanced {
+        format!(
+            "the books balance, and are wrong: {:+.2} % ± {:.2} % of the flux that should have been deposited",
+            100.0 * effect,
+            100.0 * Z_95 * error
+        )
     } else {
         let row = rows.iter().find(|row| row.verdict != Verdict::Pass).unwrap_or(&rows[0]);
         format!(
@@ -206,13 +328,13 @@ fn energy(rows: &[LightRow], reproduce: &str) -> JudgedProperty {
     };
     JudgedProperty {
         property: "energy",
-        verdict: if balanced { Verdict::Pass } else { Verdict::Fail },
-        evidence: log10_capped(if balanced { 0.0 } else { f64::INFINITY }),
+        verdict: if balanced && is_due { Verdict::Pass } else { Verdict::Fail },
+        evidence: if balanced { evidence } else { log10_capped(f64::INFINITY) },
         threshold: THRESHOLD_LOG10,
-        effect: worst,
-        effect_low: worst,
-        effect_high: worst,
-        smallest_bias_mean: Some(ROUNDING),
+        effect,
+        effect_low: effect - Z_95 * error,
+        effect_high: effect + Z_95 * error,
+        smallest_bias_mean: Some(due.map_or(ROUNDING, |due| due.seen(1))),
         smallest_bias_point: None,
         words,
         note: None,
@@ -260,14 +382,20 @@ fn caustic(run: &LightRun, bins: &[CausticBin], smallest: SmallestBias, reproduc
     let strongest = (0..claims.len()).max_by(|a, b| capitals[*a].total_cmp(&capitals[*b]))?;
     let shown = if verdict == Verdict::Fail { strongest } else { bins.len() };
     let (effect, error) = deviation(&claims[shown]);
-    let place = match bins.get(shown).map(|bin| (bin.radii, bin.order)) {
-        Some((Some([from, to]), order)) => format!("in the ring from {from:.3} m to {to:.3} m, order {order}"),
-        Some((None, order)) => format!("on the receiver, order {order}"),
-        None => format!("over all rings, order {}", orders[shown - bins.len()]),
+    let place = match bins.get(shown).map(|bin| (bin.radii, bin.tile, bin.order)) {
+        Some((_, Some([i, j]), order)) => format!("in tile ({i}, {j}), order {order}"),
+        Some((Some([from, to]), _, order)) => format!("in the ring from {from:.3} m to {to:.3} m, order {order}"),
+        Some((None, _, order)) => format!("on the receiver, order {order}"),
+        None => format!("over all of them, order {}", orders[shown - bins.len()]),
     };
     let percent = |x: f64| format!("{:.2} %", 100.0 * x);
-    let whole = if bins.iter().any(|bin| bin.radii.is_some()) { "over all rings" } else { "on the receiver" };
-    let bar = worst.map_or(String::new(), |worst| format!(", {} in the worst bright ring", percent(worst)));
+    let (whole, part) = match bins.first().map(|bin| (bin.radii, bin.tile)) {
+        Some((Some(_), _)) => ("over all rings", "ring"),
+        Some((_, Some(_))) => ("over all tiles", "tile"),
+        _ => ("on the receiver", "part"),
+    };
+    let bar = worst.filter(|_| bins.len() > 1);
+    let bar = bar.map_or(String::new(), |worst| format!(", {} in the worst bright {part}", percent(worst)));
     let words = match verdict {
         Verdict::Fail => {
             format!("{:+.2} % ± {:.2} % of the flux that is due {place}", 100.0 * effect, 100.0 * Z_95 * error)
@@ -368,13 +496,42 @@ mod tests {
     }
 
     #[test]
+    fn books_that_balance_and_are_wrong_fail() {
+        for name in ["caustic/glass-ball", "caustic/plano-convex", "caustic/slab", "caustic/spherical-mirror"] {
+            let case = shipped_caustics().find(|case| case.name() == name).unwrap().read().unwrap();
+            let (run, _) = followed(name);
+            let due = deposited_power(&case.configuration, case.light.depth).expect("known");
+            let sound = row(&run, &case.configuration, Some(due));
+            let judged = energy(std::slice::from_ref(&sound), Some(&deposit_claim(&run, due)), "");
+            assert_eq!(judged.verdict, Verdict::Pass, "{name}: {}", judged.words);
+            // Two per cent booked as deposited that went elsewhere.
+            let mut wrong = run.clone();
+            let moved = 0.02 * wrong.ledger.deposited;
+            wrong.ledger.deposited -= moved;
+            wrong.ledger.escaped += moved;
+            let judged = energy(std::slice::from_ref(&sound), Some(&deposit_claim(&wrong, due)), "");
+            assert_eq!(judged.verdict, Verdict::Fail, "{name}: {}", judged.words);
+        }
+    }
+
+    #[test]
+    fn an_optic_in_the_dark_is_told_of() {
+        let case = shipped_caustics().find(|case| case.name() == "caustic/glass-ball").unwrap().read().unwrap();
+        let (mut run, _) = followed("caustic/glass-ball");
+        assert_eq!(note(&run, &case.configuration), None);
+        run.reached = vec![0];
+        assert_eq!(note(&run, &case.configuration).as_deref(), Some("no light reaches glass 0"));
+    }
+
+    #[test]
     fn books_that_do_not_balance_fail() {
+        let case = shipped_caustics().find(|case| case.name() == "caustic/glass-ball").unwrap().read().unwrap();
         let (run, _) = followed("caustic/glass-ball");
-        let sound = row(&run);
-        assert_eq!(energy(std::slice::from_ref(&sound), "").verdict, Verdict::Pass);
+        let sound = row(&run, &case.configuration, None);
+        assert_eq!(energy(std::slice::from_ref(&sound), None, "").verdict, Verdict::Pass);
         let mut short = run.clone();
         short.ledger.escaped -= 1e-9 * short.ledger.emitted;
-        let judged = energy(&[sound, row(&short)], "");
+        let judged = energy(&[sound, row(&short, &case.configuration, None)], None, "");
         assert_eq!(judged.verdict, Verdict::Fail);
         assert!(judged.words.contains("unaccounted"), "{}", judged.words);
     }

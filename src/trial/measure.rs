@@ -44,6 +44,7 @@ impl Contrasts {
 }
 
 /// A case made ready for one strategy: exact values known, surfaces and hierarchies built.
+#[derive(Clone, Copy)]
 pub(super) struct Prepared<'a> {
     pub case: &'a Case,
     pub seed: u64,
@@ -75,6 +76,33 @@ pub(super) struct CellSums {
     pub seconds: f64,
 }
 
+impl CellSums {
+    /// Nothing yet of `replicates` that are to come.
+    pub fn new(prepared: &Prepared, samples: u64, replicates: u64) -> CellSums {
+        CellSums {
+            samples,
+            replicates,
+            points: prepared.exact.iter().map(|e| PowerSums::about(*e)).collect(),
+            contrasts: prepared.contrasts.exact.iter().map(|e| PowerSums::about(*e)).collect(),
+            batches: Vec::new(),
+            kept: Vec::new(),
+            seconds: 0.0,
+        }
+    }
+
+    /// One more replicate, which somebody else made: its estimates at all points, W/m².
+    pub fn add(&mut self, prepared: &Prepared, estimates: &[f64]) {
+        self.points.iter_mut().zip(estimates).for_each(|(sums, estimate)| sums.add(*estimate));
+        for (sums, weights) in self.contrasts.iter_mut().zip(&prepared.contrasts.weights) {
+            sums.add(weights.iter().zip(estimates).map(|(weight, estimate)| weight * estimate).sum());
+        }
+        let n_points = prepared.exact.len();
+        if n_points <= KEPT_POINTS && self.kept.len() < KEPT_REPLICATES as usize * n_points {
+            self.kept.extend(estimates.iter().zip(prepared.exact).map(|(estimate, exact)| estimate - exact));
+        }
+    }
+}
+
 struct UnitSums {
     points: Vec<PowerSums>,
     contrasts: Vec<PowerSums>,
@@ -98,15 +126,7 @@ pub(super) fn measure(
     let units = BATCHES.min(replicates);
     let ranges = (0..units).map(|k| k * replicates / units..(k + 1) * replicates / units);
     let n_points = prepared.exact.len();
-    let mut sums = CellSums {
-        samples,
-        replicates,
-        points: prepared.exact.iter().map(|e| PowerSums::about(*e)).collect(),
-        contrasts: prepared.contrasts.exact.iter().map(|e| PowerSums::about(*e)).collect(),
-        batches: Vec::new(),
-        kept: Vec::new(),
-        seconds: 0.0,
-    };
+    let mut sums = CellSums::new(prepared, samples, replicates);
     // A wave of units at a time, so that memory stays bounded for maps of a million points.
     let wave = (1_000_000 / n_points).clamp(2, BATCHES as usize);
     let ranges: Vec<Range<u64>> = ranges.collect();

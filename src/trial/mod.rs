@@ -7,11 +7,16 @@
 mod accept;
 mod correlation;
 mod forecast;
+mod guest;
 mod indirect;
 mod judge;
+mod lean;
+mod lecture;
 mod light;
+mod map_error;
 mod measure;
 mod outcome;
+mod picture;
 mod plan;
 mod predict;
 mod rare;
@@ -24,10 +29,19 @@ mod settings;
 mod spread;
 
 pub use forecast::{Forecast, forecast};
+pub use guest::{
+    Asked, AskedCell, FEWEST_PILOT_REPLICATES, Invitation, NotJudged, Take, judge_answers, judge_given, judge_guest,
+    judge_sets, questions,
+};
+pub use lean::Leaning;
+pub use lecture::{Lecture, LectureError, lecture};
 pub use outcome::{
-    CaseOutcome, CausticBin, Cell, Correlation, JudgedProperty, LightOutcome, LightRow, Measured, PathOutcome,
-    PathRow, Rate, RatePoint, RunOutcome, StrategyOutcome, Timing,
+    CaseOutcome, CausticBin, Cell, Correlation, JudgedProperty, LightOutcome, LightRow, MapRow, Measured,
+    PathOutcome, PathRow, Rate, RatePoint, RunOutcome, StrategyOutcome, Timing,
+};
+pub use picture::{
+    Due, Judged, PictureSettings, ReceiverPicture, camera_picture, receiver_picture, receiver_picture_with,
 };
 pub use repeat::Repeated;
 pub use run::{Maker, Progress, TrialError, run, run_with};
-pub use settings::{Effort, Overrides, Settings};
+pub use settings::{Effort, Overrides, Settings, quoted};

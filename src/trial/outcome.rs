@@ -42,9 +42,8 @@ pub struct CaseOutcome {
 impl CaseOutcome {
     /// All verdicts in the order of the report, each with the name of the strategy that it is about, `light`,
     /// `eye_paths` or `next_event`.
-    pub fn verdicts(&self) -> impl Iterator<Item = (&'static str, &JudgedProperty)> {
-        let of_strategies =
-            self.strategies.iter().flat_map(|s| s.verdicts.iter().map(|judged| (s.strategy.name(), judged)));
+    pub fn verdicts(&self) -> impl Iterator<Item = (&str, &JudgedProperty)> {
+        let of_strategies = self.strategies.iter().flat_map(|s| s.verdicts.iter().map(|judged| (s.name(), judged)));
         let of_light = self.light.iter().flat_map(|light| light.verdicts.iter().map(|judged| ("light", judged)));
         let of_paths =
             self.paths.iter().flat_map(|paths| paths.verdicts.iter().map(|(name, judged)| (*name, judged)));
@@ -59,6 +58,8 @@ pub struct LightOutcome {
     pub rows: Vec<LightRow>,
     /// Rings of the largest budget that an exact value is known of, by order and then outwards.
     pub bins: Vec<CausticBin>,
+    /// What the receiver's map is off by, for each budget of rays and size of texels; empty where it is not known.
+    pub texels: Vec<MapRow>,
     pub verdicts: Vec<JudgedProperty>,
     pub timing: Timing,
 }
@@ -131,7 +132,27 @@ impl LightRow {
     }
 }
 
-/// One ring around the axis of a caustic, and what light of one order brought to it.
+/// Squares of texels of one size, and what they are off by.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MapRow {
+    pub rays: u64,
+    /// Root of a square's area, metres.
+    pub size: f64,
+    /// Squares.
+    pub places: usize,
+    /// Exact, at their middles, on average, W/m².
+    pub irradiance: f64,
+    /// Root mean square of what squares are off their middles' exact irradiance, less the predicted noise, W/m².
+    pub bias: f64,
+    /// The same by exact values alone, W/m².
+    pub exact_bias: f64,
+    /// Mean square of what squares are off their own exact means, W²/m⁴.
+    pub variance: f64,
+    /// The same as the counts of rays predict it, W²/m⁴.
+    pub predicted_variance: f64,
+}
+
+/// One ring around the axis of a caustic, one tile of the receiver, or all of it, and what light of one order brought to it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CausticBin {
     /// Interactions on the way.
@@ -139,6 +160,8 @@ pub struct CausticBin {
     pub bin: usize,
     /// Inner and outer, metres; `None` for the whole receiver.
     pub radii: Option<[f64; 2]>,
+    /// Which tile of the receiver, along s and t; `None` for rings and for the whole receiver.
+    pub tile: Option<[usize; 2]>,
     /// Square metres.
     pub area: f64,
     /// W.
@@ -155,13 +178,23 @@ pub struct CausticBin {
 /// One case under one strategy.
 #[derive(Clone, Debug)]
 pub struct StrategyOutcome {
+    /// Of a guest: `random`, which a guest is measured against.
     pub strategy: Strategy,
+    /// Who made the estimates, where it was not etendue.
+    pub guest: Option<String>,
     /// One for each sample count, ascending.
     pub cells: Vec<Cell>,
     pub rates: Vec<Rate>,
     pub correlations: Vec<Correlation>,
     pub verdicts: Vec<JudgedProperty>,
     pub timings: Vec<Timing>,
+}
+
+impl StrategyOutcome {
+    /// The name that reports use: the strategy's, or the guest's.
+    pub fn name(&self) -> &str {
+        self.guest.as_deref().unwrap_or(self.strategy.name())
+    }
 }
 
 /// All points at one sample count.

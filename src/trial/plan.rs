@@ -5,6 +5,7 @@
 //! and, where a shadow's edge crosses the source or directions must find it, by what a part of it too small to have been
 //! hit could add.
 
+use super::lean::Variances;
 use super::measure::{BATCHES, CellSums, Prepared};
 use super::predict::{CellPrediction, Tolerated};
 use super::reach::peak;
@@ -82,7 +83,30 @@ impl CellPlan {
         };
         plan.replicates = match study.replicates {
             Replicates::Fixed(n) => n,
-            Replicates::Auto => plan.automatic(prepared, study),
+            Replicates::Auto => plan.automatic(prepared, study, most_replicates(prepared, samples)),
+        };
+        plan
+    }
+
+    /// Of a guest: variances as [`super::lean`] finds them, nothing predicted.
+    ///
+    /// - `most`: replicates that an automatic plan may ask for
+    /// - `given`: where they are there already
+    pub fn leaning(
+        prepared: &Prepared,
+        study: &Study,
+        samples: u64,
+        most: u64,
+        given: Option<u64>,
+        variances: Variances,
+    ) -> CellPlan {
+        let Variances { points, contrasts, alike } = variances;
+        let prediction = CellPrediction { points: vec![None; prepared.exact.len()], alike, contrasts: None };
+        let mut plan =
+            CellPlan { samples, replicates: 0, point_variances: points, contrast_variances: contrasts, prediction };
+        plan.replicates = match (given, study.replicates) {
+            (Some(n), _) | (None, Replicates::Fixed(n)) => n,
+            (None, Replicates::Auto) => plan.automatic(prepared, study, most),
         };
         plan
     }
@@ -125,7 +149,7 @@ impl CellPlan {
     }
 
     /// As many as the smallest biases need.
-    fn automatic(&self, prepared: &Prepared, study: &Study) -> u64 {
+    fn automatic(&self, prepared: &Prepared, study: &Study, most: u64) -> u64 {
         let m = components(prepared, study);
         let mut needed = FEWEST_REPLICATES.max(FEWEST_SAMPLES / self.samples);
         if let Some((value, margin)) = mean_of(prepared, study) {
@@ -141,8 +165,6 @@ impl CellPlan {
         if let Some((shift, variance)) = points {
             needed = needed.max(replicates_for(shift, variance, m));
         }
-        let rays = prepared.estimator.rays_per_estimate(self.samples) * prepared.exact.len() as u64;
-        let most = (MOST_RAYS / rays).max(FEWEST_REPLICATES);
         needed.min(most).next_multiple_of(BATCHES)
     }
 
@@ -162,6 +184,12 @@ impl CellPlan {
             .reduce(f64::max);
         SmallestBiases { mean, point }
     }
+}
+
+/// Replicates that a cell's rays allow.
+pub(super) fn most_replicates(prepared: &Prepared, samples: u64) -> u64 {
+    let rays = prepared.estimator.rays_per_estimate(samples) * prepared.exact.len() as u64;
+    (MOST_RAYS / rays.max(1)).max(FEWEST_REPLICATES)
 }
 
 /// Variance over the square of the shift to be seen; infinite where none can be.
@@ -210,7 +238,7 @@ fn well_lit<'a>(prepared: &'a Prepared, study: &'a Study) -> impl Iterator<Item 
 }
 
 /// A pilot's variance plus two of its standard errors.
-fn upper_variance(sums: &PowerSums) -> f64 {
+pub(super) fn upper_variance(sums: &PowerSums) -> f64 {
     let variance = sums.variance().unwrap_or(0.0);
     let spread = sums.kurtosis().map_or(0.0, |kurtosis| ((kurtosis - 1.0) / sums.count() as f64).sqrt());
     variance * (1.0 + 2.0 * spread)

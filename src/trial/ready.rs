@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use super::correlation;
 use super::measure::{Contrasts, Prepared};
-use super::outcome::Timing;
+use super::outcome::{CaseOutcome, StrategyOutcome, Timing};
 use super::predict::Predictions;
 use super::reach::{full, grazing};
 use super::run::Maker;
@@ -55,6 +55,24 @@ impl<'a> Ready<'a> {
             estimators.entry(strategy.technique()).or_insert_with_key(|technique| make(configuration, *technique));
         }
         Ready { case, truths, exact, full, grazing, contrasts, predictions, estimators, timings }
+    }
+
+    /// What was found of the case.
+    pub fn outcome(&self, strategies: Vec<StrategyOutcome>, timings: Vec<Timing>) -> CaseOutcome {
+        let case = self.case;
+        CaseOutcome {
+            name: case.name.clone(),
+            title: case.title.clone(),
+            digest: case.configuration.digest(),
+            arrangement: case.configuration.arrangement(),
+            albedos: case.configuration.albedos(),
+            points: case.configuration.points().to_vec(),
+            truths: self.truths.clone(),
+            strategies,
+            light: None,
+            paths: None,
+            timings: self.timings.iter().cloned().chain(timings).collect(),
+        }
     }
 
     /// - `strategy`: one of the study's

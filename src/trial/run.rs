@@ -9,7 +9,7 @@ use thiserror::Error;
 use super::accept::accept;
 use super::correlation::correlations;
 use super::indirect::indirect;
-use super::judge;
+use super::judge::{self, Judged};
 use super::light::light;
 use super::measure::{CellSums, Prepared, measure};
 use super::outcome::{CaseOutcome, Cell, Measured, RunOutcome, StrategyOutcome, Timing};
@@ -104,7 +104,7 @@ fn run_case(
 }
 
 /// A case in which no light comes straight from a surface to a point: lamps alone, or nothing to measure.
-fn unmeasured(case: &Case) -> CaseOutcome {
+pub(super) fn unmeasured(case: &Case) -> CaseOutcome {
     CaseOutcome {
         name: case.name.clone(),
         title: case.title.clone(),
@@ -143,21 +143,7 @@ pub(super) fn from_ready(
             run_strategy(&prepared, study, *strategy, reproduce, progress)
         })
         .collect();
-    let mut timings = ready.timings.clone();
-    timings.extend(compare_hierarchies(case, settings.seed)?);
-    Ok(CaseOutcome {
-        name: case.name.clone(),
-        title: case.title.clone(),
-        digest: case.configuration.digest(),
-        arrangement: case.configuration.arrangement(),
-        albedos: case.configuration.albedos(),
-        points: case.configuration.points().to_vec(),
-        truths: ready.truths.clone(),
-        strategies,
-        light: None,
-        paths: None,
-        timings,
-    })
+    Ok(ready.outcome(strategies, compare_hierarchies(case, settings.seed)?))
 }
 
 /// Shadow rays of a cell.
@@ -227,10 +213,11 @@ fn run_strategy(
         }])
         .collect();
     let start = Instant::now();
-    let mut verdicts = vec![judge::bias(prepared, study, strategy, &cells, &plans, reproduce.clone())];
+    let mut verdicts =
+        vec![judge::bias(prepared, study, Judged::strategy(strategy, study, reproduce.clone()), &cells, &plans)];
     verdicts.extend(spread::variance(prepared, study, strategy, &cells, &plans, &reproduce));
     verdicts.extend(spread::covariance(prepared, study, strategy, &cells, &plans, &reproduce));
-    accept(&mut verdicts, strategy, &study.accepted);
+    accept(&mut verdicts, Some(strategy), &study.accepted);
     timings.push(Timing {
         stage: "judge",
         rays: plans.iter().map(|plan| plan.replicates * prepared.exact.len() as u64).sum(),
@@ -239,6 +226,7 @@ fn run_strategy(
     });
     StrategyOutcome {
         strategy,
+        guest: None,
         rates: rates(prepared, strategy, &cells, &plans),
         correlations: correlations(prepared, strategy, &cells, &plans),
         verdicts,
@@ -248,14 +236,14 @@ fn run_strategy(
 }
 
 /// 1 / (variance × time) of one estimate, variance averaged over the points.
-fn efficiency(cell: &CellSums, n_points: usize) -> Option<f64> {
+pub(super) fn efficiency(cell: &CellSums, n_points: usize) -> Option<f64> {
     let variance = cell.points.iter().filter_map(|sums| sums.variance()).sum::<f64>() / n_points as f64;
     let time = cell.seconds / (cell.replicates as f64 * n_points as f64);
     (variance * time > 0.0).then(|| 1.0 / (variance * time))
 }
 
 /// What reports show of a cell.
-fn shown(cell: &CellSums, plan: &CellPlan) -> Cell {
+pub(super) fn shown(cell: &CellSums, plan: &CellPlan) -> Cell {
     let CellPrediction { points, alike, .. } = &plan.prediction;
     let points = cell.points.iter().zip(points).zip(alike).map(|((sums, predicted), alike)| {
         let variance = sums.variance().unwrap_or(0.0);

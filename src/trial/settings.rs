@@ -74,6 +74,12 @@ impl Settings {
         for case in cases {
             let _ = write!(text, " {}", quoted(case));
         }
+        text + &self.options(strategy)
+    }
+
+    /// Of such a command what follows after the cases.
+    pub fn options(&self, strategy: Option<Strategy>) -> String {
+        let mut text = String::new();
         match self.effort {
             Effort::Quick => text.push_str(" --quick"),
             Effort::Standard => {}
@@ -103,7 +109,7 @@ impl Settings {
 }
 
 /// A word that a shell takes as one.
-fn quoted(word: &str) -> String {
+pub fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./".contains(c);
     if !word.is_empty() && word.chars().all(plain) {
         word.to_owned()

@@ -600,7 +600,7 @@ fn lamps_and_optics_are_read() {
     assert!(room.points().is_empty(), "a map is measurement enough");
     let rings = Some(Rings { center: DVec3::ZERO, radius: 1.5, count: 3 });
     let (aim, split) = (Aim::Nowhere, Split::Both);
-    assert_eq!(case.light, LightSettings { rays: 1000, map: [32, 16], depth: 5, aim, split, rings });
+    assert_eq!(case.light, LightSettings { rays: 1000, map: [32, 16], depth: 5, aim, split, rings, tiles: None });
     let plain = Case::from_toml("plain", SOUND).unwrap();
     assert_eq!(plain.light, LightSettings::default());
 }
@@ -810,7 +810,7 @@ fn shipped_cases_are_selected_by_name_part_or_pattern() {
     assert_eq!(names(&["penumbra/eclipse"]), ["penumbra/eclipse"], "a whole name means that case alone");
     assert!(names(&["eclipse"]).len() > 3);
     assert_eq!(names(&["*/eclipse-?esh"]), ["penumbra/eclipse-mesh"]);
-    assert_eq!(names(&["spheres", "penumbra/spheres"]), ["penumbra/spheres"], "once");
+    assert_eq!(names(&["half-plane", "penumbra/half-plane"]), ["penumbra/half-plane"], "once");
     let Err(SelectError::Nothing { unmatched }) = select(&["eclpise".into(), "spheres".into(), "".into()]) else {
         panic!("nothing is called eclpise")
     };

@@ -13,6 +13,7 @@
 //!
 //! Sines and arcs are those of the `libm` crate: an estimate that reads a map is the same on every platform.
 
+mod finder;
 mod grid;
 mod isoline;
 mod map_triangle;
@@ -25,6 +26,7 @@ use thiserror::Error;
 use super::shape::unit;
 use super::{Disk, Frame, Rectangle, ShapeError, Sphere};
 
+pub use finder::TexelFinder;
 pub use grid::{Texel, TexelGrid};
 pub use isoline::Isoline;
 pub use map_triangle::{MapTriangle, clipped};

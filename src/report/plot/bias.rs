@@ -3,7 +3,7 @@
 use super::axis::Axis;
 use super::ink::{Align, Page};
 use super::panel::{HEIGHT, Key, Panel, WIDTH, legend_rows, titled_page};
-use super::style::{Dash, GREY, INK, SMALL, look, shown};
+use super::style::{Dash, GREY, INK, SMALL, look_of, shown_of};
 use crate::trial::CaseOutcome;
 
 /// Half a 95 % interval in standard errors, for showing; verdicts use none.
@@ -50,7 +50,7 @@ pub fn bias(case: &CaseOutcome) -> Option<Page> {
     let mut legend = Vec::new();
     let middle = 0.5 * (case.strategies.len() as f64 - 1.0);
     for (i, strategy) in case.strategies.iter().enumerate() {
-        let look = look(strategy.strategy);
+        let look = look_of(strategy);
         let aside = 11.0 * (i as f64 - middle);
         for cell in &strategy.cells {
             let (n, bias) = (cell.samples as f64, cell.mean_bias / unit);
@@ -59,7 +59,7 @@ pub fn bias(case: &CaseOutcome) -> Option<Page> {
             let (x, y) = panel.at(n, bias);
             page.marker((x + aside, y), look.marker, look.colour, 3.8);
         }
-        let mut text = shown(strategy.strategy).to_owned();
+        let mut text = shown_of(strategy).to_owned();
         if let Some(smallest) = seen(strategy) {
             for side in [-smallest, smallest] {
                 let ends = [(panel.x.low(), side), (panel.x.high(), side)];

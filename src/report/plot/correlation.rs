@@ -3,7 +3,7 @@
 use super::axis::Axis;
 use super::ink::{Align, Page};
 use super::panel::{HEIGHT, Key, Panel, WIDTH, legend_column, titled_page};
-use super::style::{Colour, Dash, GREY, INK, Look, Marker, SMALL, TEXT, look, shown};
+use super::style::{Colour, Dash, GREY, INK, Look, Marker, SMALL, TEXT, look_of, shown_of};
 use crate::trial::{CaseOutcome, Correlation, StrategyOutcome};
 
 /// Sample counts drawn per strategy: the fewest, one between, the most.
@@ -34,7 +34,7 @@ pub fn correlation(case: &CaseOutcome) -> Option<Page> {
         let y = if column == 0 { y.clone() } else { y.unlabelled() };
         let panel = Panel { left: from, top, right: from + width, bottom: top + HEIGHT - 238.0, x, y };
         panel.draw(&mut page, "separation (m)", if column == 0 { "correlation" } else { "" });
-        page.bold((from, top - 16.0), shown(strategy.strategy), TEXT, INK, Align::Start);
+        page.bold((from, top - 16.0), shown_of(strategy), TEXT, INK, Align::Start);
         panel.curve(&mut page, [(0.0, 0.0), (panel.x.high(), 0.0)], INK, 1.0, Dash::Solid);
         draw_strategy(&mut page, &panel, strategy);
     }
@@ -51,7 +51,7 @@ fn draw_strategy(page: &mut Page, panel: &Panel, strategy: &StrategyOutcome) {
     let counts = drawn_counts(&strategy.correlations);
     let mut predicted = false;
     for (k, &samples) in counts.iter().enumerate() {
-        let look = shade(look(strategy.strategy), k);
+        let look = shade(look_of(strategy), k);
         let mut curve: Vec<&Correlation> = strategy.correlations.iter().filter(|c| c.samples == samples).collect();
         curve.sort_by(|a, b| a.separation.total_cmp(&b.separation));
         let band: Vec<_> = curve.iter().map(|c| (c.separation, c.low, c.high)).collect();

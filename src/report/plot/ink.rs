@@ -32,6 +32,7 @@ enum Ink {
     Area { outline: Vec<At>, colour: Colour, opacity: f64 },
     Marker { at: At, marker: Marker, colour: Colour, size: f64 },
     Text(Words),
+    Raster { at: At, size: (f64, f64), columns: usize, colours: Vec<[u8; 3]> },
 }
 
 /// A line of text. `at` is the middle of its height; `upwards` turns it by a quarter to the left.
@@ -76,6 +77,12 @@ impl Page {
     }
     pub fn marker(&mut self, at: At, marker: Marker, colour: Colour, size: f64) {
         self.inks.push(Ink::Marker { at, marker, colour, size });
+    }
+    /// A picture, row by row from the top. Only where pixels are drawn: an SVG leaves it out.
+    ///
+    /// - `colours`: `[rows][columns]`
+    pub fn raster(&mut self, at: At, size: (f64, f64), columns: usize, colours: Vec<[u8; 3]>) {
+        self.inks.push(Ink::Raster { at, size, columns, colours });
     }
     pub fn text(&mut self, at: At, text: impl Into<String>, size: f64, colour: Colour, align: Align) {
         self.push_text(at, text.into(), size, false, colour, align, false);
@@ -140,6 +147,16 @@ impl Page {
                         marker.outline().iter().map(|(x, y)| (at.0 + x * size, at.1 + y * size)).collect();
                     area.draw(&Polygon::new(devices(&outline), colour.filled()))
                 }
+                Ink::Raster { .. } if medium == Medium::Svg => Ok(()),
+                Ink::Raster { at, size, columns, colours } => {
+                    let ((left, top), (right, bottom)) = (device(*at), device((at.0 + size.0, at.1 + size.1)));
+                    let (width, height) = ((right - left).max(1) as usize, (bottom - top).max(1) as usize);
+                    let pixels = resampled(*columns, colours, [width, height]);
+                    match BitMapElement::with_owned_buffer((left, top), (width as u32, height as u32), pixels) {
+                        Some(picture) => area.draw(&picture),
+                        None => Ok(()),
+                    }
+                }
                 Ink::Text(_) if medium == Medium::Pixels => Ok(()),
                 Ink::Text(Words { at, text, size, bold, colour, align, upwards }) => {
                     let h = match align {
@@ -158,6 +175,30 @@ impl Page {
         }
         area.present().map_err(|e| e.to_string())
     }
+}
+
+/// A picture of other pixels: each the mean of those that it covers, or a copy of the one that it lies in.
+fn resampled(columns: usize, colours: &[[u8; 3]], [width, height]: [usize; 2]) -> Vec<u8> {
+    let rows = colours.len() / columns.max(1);
+    let span = |k: usize, n: usize, of: usize| {
+        let first = (k * of / n).min(of.saturating_sub(1));
+        first..((k + 1) * of / n).max(first + 1).min(of)
+    };
+    let mut pixels = Vec::with_capacity(3 * width * height);
+    for y in 0..height {
+        for x in 0..width {
+            let mut sum = [0u32; 3];
+            let mut n = 0;
+            for j in span(y, height, rows) {
+                for i in span(x, width, columns) {
+                    sum.iter_mut().zip(colours[j * columns + i]).for_each(|(sum, value)| *sum += u32::from(value));
+                    n += 1;
+                }
+            }
+            pixels.extend(sum.map(|sum| ((sum + n / 2) / n.max(1)) as u8));
+        }
+    }
+    pixels
 }
 
 /// plotters counts a font's size in line heights of this many em.
@@ -199,6 +240,18 @@ fn dashed(through: &[At], lengths: &[f64]) -> Vec<Vec<At>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_picture_of_other_pixels_shows_the_same() {
+        let colours = [[0, 10, 20], [100, 110, 120], [200, 210, 220], [50, 60, 70]];
+        assert_eq!(resampled(2, &colours, [2, 2]), colours.as_flattened());
+        let twice = resampled(2, &colours, [4, 4]);
+        assert_eq!(
+            (&twice[..3], &twice[3..6], &twice[6..9]),
+            (&[0, 10, 20][..], &[0, 10, 20][..], &[100, 110, 120][..])
+        );
+        assert_eq!(resampled(2, &colours, [1, 1]), [88, 98, 108]);
+    }
 
     #[test]
     fn dashes_leave_the_stated_share_of_a_line() {

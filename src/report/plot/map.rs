@@ -6,7 +6,7 @@ use super::axis::Axis;
 use super::ink::{Align, Page};
 use super::panel::{HEIGHT, Panel, WIDTH, titled_page};
 use super::profile::{is_map, replicates, shown_samples};
-use super::style::{Colour, Dash, GREY, INK, SMALL, TEXT, shown};
+use super::style::{Colour, Dash, GREY, INK, SMALL, TEXT, shown_of};
 use crate::configuration::Arrangement;
 use crate::trial::{CaseOutcome, Cell, StrategyOutcome};
 
@@ -52,7 +52,7 @@ pub fn map(case: &CaseOutcome) -> Option<Page> {
             }
             Some(i) => {
                 let scale = ColourScale { low: -largest, high: largest, stops: &BLUE_WHITE_ORANGE };
-                (shown(cells[i].0.strategy), "relative", deviations[i].clone(), scale)
+                (shown_of(cells[i].0), "relative", deviations[i].clone(), scale)
             }
         };
         draw_map(&mut page, corner, slot, &extent, (nu, nv), &values, &scale, (heading, unit));

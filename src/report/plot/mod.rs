@@ -9,11 +9,15 @@ mod caustic;
 mod correlation;
 mod energy;
 mod ink;
+mod lecture;
 mod map;
 mod panel;
 mod picture;
 mod profile;
+mod raster;
+mod render;
 mod style;
+mod texels;
 mod text;
 mod variance;
 
@@ -24,7 +28,8 @@ use rayon::prelude::*;
 
 use super::ReportError;
 use super::folder::{PLOT_KINDS, file_stems, write_whole};
-use crate::trial::{CaseOutcome, RunOutcome};
+use super::image::Rgb;
+use crate::trial::{CaseOutcome, Lecture, ReceiverPicture, RunOutcome};
 
 /// Pixels of a PNG, and units of an SVG, for each point of a page.
 const PIXELS: f64 = 2.0;
@@ -41,7 +46,7 @@ pub(super) fn write_all(dir: &Path, outcome: &RunOutcome) -> Result<Vec<PathBuf>
 }
 
 fn write_case(dir: &Path, stem: &str, case: &CaseOutcome) -> Result<Vec<PathBuf>, ReportError> {
-    let draw: [fn(&CaseOutcome) -> Option<ink::Page>; 7] = [
+    let draw: [fn(&CaseOutcome) -> Option<ink::Page>; 8] = [
         variance::variance,
         bias::bias,
         profile::profile,
@@ -49,6 +54,7 @@ fn write_case(dir: &Path, stem: &str, case: &CaseOutcome) -> Result<Vec<PathBuf>
         correlation::correlation,
         caustic::caustic,
         energy::energy,
+        texels::texels,
     ];
     let mut written = Vec::new();
     for (draw, kind) in draw.into_iter().zip(PLOT_KINDS) {
@@ -75,9 +81,34 @@ fn svg(page: &ink::Page) -> Result<Vec<u8>, String> {
 
 /// The page as PNG.
 fn png(page: &ink::Page) -> Result<Vec<u8>, String> {
+    let (pixels, size) = drawn(page)?;
+    picture::encoded(&pixels, size)
+}
+
+/// The page as RGB, `[height][width][3]`, with its width and height.
+fn drawn(page: &ink::Page) -> Result<(Vec<u8>, (u32, u32)), String> {
     let size = ((page.width * PIXELS) as u32, (page.height * PIXELS) as u32);
     let mut pixels = vec![0; 3 * (size.0 * size.1) as usize];
     page.draw(&BitMapBackend::with_buffer(&mut pixels, size).into_drawing_area(), PIXELS, ink::Medium::Pixels)?;
     text::set_texts(&mut pixels, size.0 as usize, PIXELS, page.texts());
-    picture::encoded(&pixels, size)
+    Ok((pixels, size))
+}
+
+/// A page with pictures on it: pixels, width and height.
+pub(super) type Drawn = (Vec<Rgb>, [usize; 2]);
+
+fn drawn_picture(page: &ink::Page) -> Result<Drawn, String> {
+    let (pixels, (width, height)) = drawn(page)?;
+    Ok((pixels.as_chunks::<3>().0.to_vec(), [width as usize, height as usize]))
+}
+
+/// A rendered receiver beside its exact picture.
+pub(super) fn page_of_receiver(receiver: &ReceiverPicture) -> Result<Drawn, String> {
+    drawn_picture(&render::receiver(receiver))
+}
+
+/// The figures of the lecture: file name, what they show, the page.
+pub(super) fn lecture_pages(lecture: &Lecture) -> Vec<(&'static str, &'static str, Result<Drawn, String>)> {
+    let pages = lecture::pages(lecture).into_iter();
+    pages.map(|(name, words, page)| (name, words, drawn_picture(&page))).collect()
 }

@@ -4,7 +4,7 @@ use super::axis::Axis;
 use super::bias::NORMAL_95;
 use super::ink::{Align, Page};
 use super::panel::{HEIGHT, Key, Panel, WIDTH, legend_rows, titled_page};
-use super::style::{Colour, Dash, GREY, INK, SMALL, TEXT, look, shown};
+use super::style::{Colour, Dash, GREY, INK, SMALL, TEXT, look_of, shown_of};
 use super::text::text_width;
 use crate::configuration::Arrangement;
 use crate::oracle::Region;
@@ -72,7 +72,7 @@ pub fn profile(case: &CaseOutcome) -> Option<Page> {
         }
     }
     for (k, (strategy, cell)) in shown_cells.iter().enumerate() {
-        let look = look(strategy.strategy);
+        let look = look_of(strategy);
         let aside = apart * (k as f64 - 0.5 * (n as f64 - 1.0));
         // One estimate is never negative, though a standard deviation may reach below zero.
         let spread = |i: usize| (along[i], (exact[i] - noise(cell, i)).max(0.0), exact[i] + noise(cell, i));
@@ -98,7 +98,7 @@ pub fn profile(case: &CaseOutcome) -> Option<Page> {
             true => Key::Band { colour: look.colour, marker: look.marker, dash: look.dash },
             false => Key::Bar { colour: look.colour, marker: look.marker },
         };
-        legend.push((key, shown(strategy.strategy).to_owned()));
+        legend.push((key, shown_of(strategy).to_owned()));
     }
     lower.curve(&mut page, [(lower.x.low(), 0.0), (lower.x.high(), 0.0)], INK, 1.0, Dash::Solid);
     if line {

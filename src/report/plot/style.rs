@@ -3,6 +3,7 @@
 use plotters::style::RGBColor;
 
 use crate::sampling::Strategy;
+use crate::trial::StrategyOutcome;
 
 pub type Colour = RGBColor;
 
@@ -143,6 +144,19 @@ pub fn look(strategy: Strategy) -> Look {
             Look { colour: RGBColor(0xaa, 0x44, 0x99), marker: Marker::Triangle, dash: Dash::Dashed }
         }
     }
+}
+
+/// A guest is none of the strategies: grey, and a funnel.
+const GUEST: Look = Look { colour: RGBColor(0x55, 0x55, 0x55), marker: Marker::Funnel, dash: Dash::Tripping };
+
+/// The look of whoever made the estimates.
+pub fn look_of(made: &StrategyOutcome) -> Look {
+    if made.guest.is_some() { GUEST } else { look(made.strategy) }
+}
+
+/// What people read for whoever made the estimates.
+pub fn shown_of(made: &StrategyOutcome) -> &str {
+    made.guest.as_deref().unwrap_or(shown(made.strategy))
 }
 
 /// What people read for a strategy.

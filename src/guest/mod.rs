@@ -1,0 +1,43 @@
+//! Judging others: a sampler or an estimator handed over in code, a program behind a pipe, a file of estimates, a file of
+//! points.
+//!
+//! A test of your own sampler is five lines:
+//!
+//! ```
+//! use etendue::{Case, Draws, judge};
+//!
+//! fn mine(draws: &mut Draws, points: &mut [[f64; 2]]) {
+//!     points.fill_with(|| [draws.unit(), draws.unit()]);
+//! }
+//!
+//! # fn main() -> Result<(), etendue::case::SelectError> {
+//! let case = Case::shipped("penumbra/eclipse")?;
+//! judge(&case).quick().points("mine", &mine).assert_passes();
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! - [`judge`] asks a [`PointSampler`](crate::estimator::PointSampler) or an
+//!   [`IrradianceEstimator`](crate::estimator::IrradianceEstimator) of this process; closures are both;
+//! - [`Program`] asks a program in any language, over its standard input and output;
+//! - [`read_estimates`] and [`read_sets`] read what was made before.
+//!
+//! Nothing predicts how the estimates of a guest spread. A verdict leans on a pilot run, or on a bound that the guest states
+//! ([`Leaning`](crate::trial::Leaning)), and says which.
+
+mod error;
+mod estimates;
+mod judgement;
+mod program;
+mod question;
+mod sets;
+
+pub use error::{AnswerFault, GuestError};
+pub use estimates::{judge_estimates, read_estimates};
+pub use judgement::{Judge, Judgement, judge};
+pub use program::{Program, judge_program};
+pub use question::{ANSWER_HEADER, QUESTION_HEADER, write_questions};
+pub use sets::{PointSets, SetsError, judge_point_sets, read_sets, write_sets};
+
+/// Numbers of a file that are held in memory at most: 160 MB of estimates.
+pub(crate) const MOST_ESTIMATES: u64 = 20_000_000;
