@@ -276,7 +276,6 @@ fn cameras_that_see_nothing_are_refused_with_their_place() {
 
 #[cfg(all(feature = "cli", feature = "plots"))]
 mod command {
-    use super::*;
     use assert_cmd::Command;
     use std::path::Path;
 

@@ -65,7 +65,7 @@ impl Inside {
     }
 
     /// Straight from the lamps, W/m².
-    fn from_lamps(&self, point: &MeasurementPoint) -> f64 {
+    fn of_lamps(&self, point: &MeasurementPoint) -> f64 {
         let of = |lamp: &Lamp| match lamp {
             Lamp::Point(lamp) => {
                 let found = lamp.irradiance_at(point.position(), point.normal());
@@ -90,7 +90,7 @@ impl Inside {
         if !(self.is_at_wall(point) || (is_in_air && self.lamps.is_empty() && !self.has_optics)) {
             return Arriving::default();
         }
-        let (direct, sent_back) = (self.exitance + self.from_lamps(point), self.sent_back());
+        let (direct, sent_back) = (self.exitance + self.of_lamps(point), self.sent_back());
         let total = rounded(direct + sent_back);
         if self.has_optics {
             return Arriving { total, ..Arriving::default() };

@@ -5,7 +5,7 @@ use super::axis::Axis;
 use super::ink::{Align, Page};
 use super::panel::Panel;
 use super::raster::{Frame, Scale};
-use super::render::{PENUMBRA, UMBRA, axis_names, legend, regions};
+use super::render::{PENUMBRA, UMBRA, axis_names, grouped, legend, regions};
 use super::style::{Dash, GREY, INK, Marker, SMALL, TEXT, TITLE, look, shown};
 use crate::eye::Picture;
 use crate::oracle::Region;
@@ -181,7 +181,7 @@ fn rms(receiver: &ReceiverPicture) -> Option<f64> {
 fn textures(lecture: &Lecture) -> Page {
     let of = &lecture.textures;
     let mut page = titled(
-        730.0,
+        690.0,
         "Maps on surfaces: what distorts them, and what undoes it",
         &["A chessboard looked up by (s, t), and light that rays left in the texels of a map."],
     );
@@ -193,7 +193,7 @@ fn textures(lecture: &Lecture) -> Page {
         height,
     };
     let cells: [(usize, usize, &Picture, &str, &str); 5] = [
-        (0, 0, &of.ball, "Ball: longitude and latitude", "fields shrink towards the poles; each has its exact area"),
+        (0, 0, &of.ball, "Ball: longitude and latitude", "fields shrink towards the poles"),
         (1, 0, &of.triangle[0], "Triangle on half the square", "uncorrected: the board is sheared"),
         (2, 0, &of.triangle[1], "Triangle on one similar to it", "corrected: squares are square"),
         (0, 1, &of.globe[0], "Caustic on a globe, uncorrected", "flux over the mean texel area: dark at the pole"),
@@ -209,15 +209,16 @@ fn textures(lecture: &Lecture) -> Page {
     }
     let globe = frame(1, 1);
     globe.bar(&mut page, &Scale::Tone(globes), "radiosity, W/m²");
-    let left = frame(2, 1).left + 56.0;
+    let left = frame(2, 1).left + 62.0;
     for (k, line) in [
-        "Near a pole a texel of a sphere's map is narrow:",
-        "its area is R² Δlongitude Δ(sin latitude), not a",
-        "share of the map. Divided by the wrong area, the",
-        "brightest spot of the caustic is the darkest.",
+        "Near a pole a texel of a sphere’s map",
+        "is narrow. Its area is",
         "",
-        "The sum over texels of radiosity × exact area",
-        "is the reflected power, whatever the map is.",
+        "   R² Δlongitude Δ(sin latitude),",
+        "",
+        "not a share of the map: divided by the",
+        "wrong area, the brightest spot of the",
+        "caustic is the darkest.",
     ]
     .into_iter()
     .enumerate()
@@ -229,7 +230,7 @@ fn textures(lecture: &Lecture) -> Page {
 
 fn caustics(lecture: &Lecture) -> Page {
     let mut page = titled(
-        690.0,
+        660.0,
         "Caustics on a plane",
         &[
             "Above: the room, direct light and map together. Below: irradiance of the plane, square on, texel by texel.",
@@ -252,7 +253,7 @@ fn caustics(lecture: &Lecture) -> Page {
         plane.metres(&mut page, [&axes[0], &axes[1]], axis_names(receiver.view.shape()));
         let light = receiver.light.as_ref();
         let words = light.map_or(String::new(), |light| {
-            format!("{} rays, {} × {} texels", light.rays, light.map[0], light.map[1])
+            format!("{} rays, {} × {} texels", grouped(light.rays), light.map[0], light.map[1])
         });
         page.text((left, plane.bottom() + 54.0), words, SMALL, GREY, Align::Start);
     }
