@@ -145,7 +145,7 @@ fn eye_paths_find_what_the_map_holds() {
     for name in ["caustic/plane-mirror", "caustic/ball-on-a-globe"] {
         let case = case(name);
         let tracer = PathTracer::new(&case.configuration, &PathSettings::default(), seed_of(name));
-        let eye = tracer.over_receiver(2_000_000).unwrap();
+        let eye = tracer.over_receiver(4_000_000).unwrap();
         let run = trace(&case.configuration, &LightSettings { rays: 400_000, ..case.light.clone() }, seed_of(name));
         let map = &run.maps[0];
         let area: f64 = map.grid().texels().map(|texel| map.area(texel)).sum();
