@@ -250,7 +250,8 @@ mod tests {
     use crate::sampling::{Lanes, Pattern, Strategy};
 
     fn room() -> Configuration {
-        Case::shipped("penumbra/two-shadows").unwrap().configuration
+        // One source: the inner loop draws for each source anew, a set serves them all.
+        Case::shipped("penumbra/eclipse").unwrap().configuration
     }
 
     #[test]

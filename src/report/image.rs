@@ -144,8 +144,8 @@ mod tests {
     fn black_is_black_and_white_is_white() {
         let tone = Tone { white: 2.0 };
         assert_eq!([-1.0, 0.0, 2.0, 9.0].map(|value| tone.level(value)), [0, 0, 255, 255]);
-        // Linear 0.2140 is the middle of the curve.
-        assert_eq!(tone.level(2.0 * 0.214_041), 128);
+        // By the curve of IEC 61966-2-1 the level 128 of 255 is linear 0.21586.
+        assert_eq!(tone.level(2.0 * 0.215_861), 128);
         let levels: Vec<u8> = (0..=1000).map(|k| tone.level(0.002 * f64::from(k))).collect();
         assert!(levels.is_sorted());
     }
