@@ -610,7 +610,8 @@ pub const KIND: Key = key(
     "orthographic (rays side by side, `width`) or perspective (rays from one point, `fov`).",
 );
 pub const EYE: Key = key("eye", Value::Vector, "m", Need::Required, "Where it stands, outside of all bodies.");
-pub const LOOK_AT: Key = key("look_at", Value::Vector, "m", Need::Required, "A point that the middle of the picture shows.");
+pub const LOOK_AT: Key =
+    key("look_at", Value::Vector, "m", Need::Required, "A point that the middle of the picture shows.");
 pub const UP: Key = key(
     "up",
     Value::Vector,

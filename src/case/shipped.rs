@@ -11,6 +11,7 @@ macro_rules! embedded {
 /// Every file below `cases/`, sorted by name; a test compares the list with the folder.
 static FILES: &[(&str, &[u8])] = embedded![
     "caustic/ball-on-a-globe.toml",
+    "caustic/ball-on-a-table.toml",
     "caustic/cup.toml",
     "caustic/glass-ball.toml",
     "caustic/mirror-ring.toml",

@@ -23,8 +23,7 @@ fn render_to_end(options: &Render) -> Result<u8, u8> {
         return Ok(exit::PASSED);
     }
     let pictures: Vec<CasePictures> = cases.iter().map(|case| of_case(case, options)).collect::<Result<_, u8>>()?;
-    let written =
-        report::write_pictures(&options.out, &pictures).map_err(|error| fault(exit::OUTPUT, error))?;
+    let written = report::write_pictures(&options.out, &pictures).map_err(|error| fault(exit::OUTPUT, error))?;
     print(&report::pictures_table(&pictures, &written))?;
     let any = |verdict: Verdict| {
         let receivers = pictures.iter().filter_map(|pictures| pictures.receiver.as_ref());

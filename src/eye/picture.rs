@@ -276,9 +276,7 @@ impl Eye {
         for spots in seen.spots.chunk_by(|a, b| a.surface == b.surface) {
             let points: Vec<MeasurementPoint> = spots.iter().map(|spot| spot.point).collect();
             let (surface, replicates) = (spots[0].surface, replicates.clone());
-            all.extend(
-                self.direct.irradiance(estimators, surface, seen.row, &points, shading, replicates, scratch),
-            );
+            all.extend(self.direct.irradiance(estimators, surface, seen.row, &points, shading, replicates, scratch));
         }
         all
     }
@@ -292,7 +290,8 @@ impl Eye {
             emitted.map(|(emitted, first)| Pixel { radiosity: *emitted, first: *first, lit: None }).collect();
         for (spot, direct) in seen.spots.iter().zip(direct) {
             let albedo = self.albedo(spot.surface, spot.point.position());
-            let lit = Lit { surface: spot.surface, point: spot.point, direct: *direct, caustic: caustic(spot), albedo };
+            let lit =
+                Lit { surface: spot.surface, point: spot.point, direct: *direct, caustic: caustic(spot), albedo };
             let pixel = &mut pixels[spot.pixel];
             pixel.radiosity += spot.share * albedo * lit.irradiance();
             if spot.is_straight {

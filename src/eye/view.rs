@@ -87,9 +87,7 @@ impl ReceiverView {
     pub fn new(shape: ReceiverShape, pixels: [usize; 2]) -> Result<ReceiverView, CameraError> {
         check_pixels(pixels)?;
         let (corner, right, up) = match &shape {
-            ReceiverShape::Rectangle(s) => {
-                (s.center() - (s.edge_u() + s.edge_v()) * 0.5, s.edge_u(), s.edge_v())
-            }
+            ReceiverShape::Rectangle(s) => (s.center() - (s.edge_u() + s.edge_v()) * 0.5, s.edge_u(), s.edge_v()),
             ReceiverShape::Disk(s) => {
                 let frame = Frame::around(s.normal());
                 let (right, up) = (frame.tangent * (2.0 * s.radius()), frame.bitangent * (2.0 * s.radius()));
@@ -129,9 +127,7 @@ impl ReceiverView {
         let flat = self.corner + self.right * a + self.up * b;
         let (at, normal) = match &self.shape {
             ReceiverShape::Rectangle(s) => (flat, s.normal()),
-            ReceiverShape::Disk(s) => {
-                ((flat - s.center()).length() < s.radius()).then_some((flat, s.normal()))?
-            }
+            ReceiverShape::Disk(s) => ((flat - s.center()).length() < s.radius()).then_some((flat, s.normal()))?,
             ReceiverShape::Triangle(s) => {
                 let [p, q, r] = s.vertices();
                 let left_of = |from: DVec3, to: DVec3| (to - from).cross(flat - from).dot(s.normal()) >= 0.0;

@@ -200,8 +200,7 @@ impl Room {
     pub fn mesh_before(&self, from: DVec3, direction: DVec3, far: f64) -> bool {
         // The hierarchy is made for ends within the bounds: from outside of them, the way in meets none.
         let near = self.way_in(from, direction);
-        far > near
-            && self.meshes.iter().any(|mesh| mesh.blocks(from + direction * near, from + direction * far))
+        far > near && self.meshes.iter().any(|mesh| mesh.blocks(from + direction * near, from + direction * far))
     }
 
     /// How far along a ray the room begins; nought for a ray that starts within it.

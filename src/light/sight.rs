@@ -291,11 +291,8 @@ mod tests {
     }
 
     fn room(contents: Contents) -> Configuration {
-        let source = Source::new(
-            Shape::Disk(Disk::new(DVec3::Z * 3.0, -DVec3::Z, 0.5).unwrap()),
-            Exitance::new(1.0),
-        )
-        .unwrap();
+        let source =
+            Source::new(Shape::Disk(Disk::new(DVec3::Z * 3.0, -DVec3::Z, 0.5).unwrap()), Exitance::new(1.0)).unwrap();
         let sources = if contents.lamps.is_empty() { vec![source] } else { vec![] };
         Configuration::of(Contents { sources, receiver: Some(floor()), diffuse: vec![], ..contents }).unwrap()
     }
@@ -333,7 +330,10 @@ mod tests {
         let mut ends = Vec::new();
         for k in 0..50 {
             let from = DVec3::new(0.02 * f64::from(k) - 0.45, 0.1, 2.5);
-            assert_eq!(sight.follow(from, -DVec3::Z, &mut ends), if from.length() > 0.0 && (from.x.hypot(0.1)) < 0.5 { First::Glass } else { First::Surface });
+            assert_eq!(
+                sight.follow(from, -DVec3::Z, &mut ends),
+                if from.length() > 0.0 && (from.x.hypot(0.1)) < 0.5 { First::Glass } else { First::Surface }
+            );
             let sum: f64 = ends.iter().map(|end| end.share).sum();
             assert!((sum - 1.0).abs() < 1e-14, "{from}: {sum}");
             let lost: f64 = ends.iter().filter(|end| end.seen == Seen::Lost).map(|end| end.share).sum();
@@ -347,7 +347,8 @@ mod tests {
     fn lamps_bring_what_rays_from_them_bring() {
         let lamp = Lamp::Point(PointSource::new(DVec3::new(0.3, 0.2, 3.0), Flux::new(50.0)).unwrap());
         let corner = |x: f64, y: f64| DVec3::new(x, y, 1.0);
-        let veil = Mesh::new(vec![corner(-2.0, -2.0), corner(-0.5, -2.0), corner(-2.0, 2.0)], vec![[0, 1, 2]]).unwrap();
+        let veil =
+            Mesh::new(vec![corner(-2.0, -2.0), corner(-0.5, -2.0), corner(-2.0, 2.0)], vec![[0, 1, 2]]).unwrap();
         let lit = room(Contents {
             lamps: vec![lamp],
             mirrors: vec![plate()],
@@ -364,10 +365,9 @@ mod tests {
             let mut mean = 0.0;
             for i in 0..fine * fine {
                 let share = |k: usize| (k as f64 + 0.5) / fine as f64;
-                let at = map.parametrisation().to_surface([
-                    s0 + (s1 - s0) * share(i % fine),
-                    t0 + (t1 - t0) * share(i / fine),
-                ]);
+                let at = map
+                    .parametrisation()
+                    .to_surface([s0 + (s1 - s0) * share(i % fine), t0 + (t1 - t0) * share(i / fine)]);
                 mean += sight.from_lamps(0, at, DVec3::Z) / (fine * fine) as f64;
             }
             let found = map.irradiance(texel, Light::Direct).unwrap().watts_per_square_metre();

@@ -41,7 +41,8 @@ mod tests {
         };
         let bytes = made();
         assert_eq!(bytes, made());
-        let reader = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer().all_attributes();
+        let reader =
+            read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer().all_attributes();
         let image = reader.from_buffered(Cursor::new(bytes)).unwrap();
         let channels = &image.layer_data.channel_data.list;
         let names: Vec<String> = channels.iter().map(|channel| channel.name.to_string()).collect();

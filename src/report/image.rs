@@ -41,8 +41,7 @@ impl Tone {
     /// From 0 to 255.
     pub fn level(&self, value: f64) -> u8 {
         let share = (value / self.white).clamp(0.0, 1.0);
-        let curved =
-            if share <= 0.003_130_8 { 12.92 * share } else { 1.055 * libm::pow(share, 1.0 / 2.4) - 0.055 };
+        let curved = if share <= 0.003_130_8 { 12.92 * share } else { 1.055 * libm::pow(share, 1.0 / 2.4) - 0.055 };
         (255.0 * curved).round() as u8
     }
     /// How it is told to whoever looks.

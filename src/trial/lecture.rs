@@ -53,9 +53,11 @@ pub struct Caustic {
 
 /// The numbers of points of the comparison.
 const SAMPLES: [u64; 3] = [4, 16, 64];
+/// Pictures from aside have more pixels than they are shown with, so that edges are smooth.
+const FINE: [usize; 2] = [1280, 960];
 /// Times the rays of the case, for a caustic without visible noise.
 const MORE_RAYS: u64 = 4;
-const SHOWN_CAUSTICS: [&str; 3] = ["caustic/mirror-ring", "caustic/glass-ball", "caustic/cup"];
+const SHOWN_CAUSTICS: [&str; 3] = ["caustic/mirror-ring", "caustic/ball-on-a-table", "caustic/cup"];
 
 /// Makes all pictures of the lecture.
 pub fn lecture(seed: u64) -> Result<Lecture, LectureError> {
@@ -96,9 +98,10 @@ fn textures(settings: &PictureSettings) -> Result<Textures, LectureError> {
     let globe = read(GLOBE)?;
     let room: &Configuration = &globe.configuration;
     let camera = globe.camera.ok_or(LectureError::Missing { name: GLOBE })?;
-    let light = crate::light::LightSettings { rays: globe.light.rays.saturating_mul(MORE_RAYS), ..globe.light.clone() };
+    let light =
+        crate::light::LightSettings { rays: globe.light.rays.saturating_mul(MORE_RAYS), ..globe.light.clone() };
     let run = trace(room, &light, settings.seed);
-    let eye = Eye::new(room, View::Camera(camera), Direct::new(room))?;
+    let eye = Eye::new(room, View::Camera(camera.with_pixels(FINE).map_err(EyeError::Camera)?), Direct::new(room))?;
     let by = |caustics: Caustics| eye.picture(&settings.shading(), &caustics);
     let globe = [by(Caustics::as_if_even(&run.maps)), by(Caustics::by_texel(&run.maps))];
     Ok(Textures { ball, triangle, globe })
@@ -113,5 +116,6 @@ fn read(name: &'static str) -> Result<Case, LectureError> {
 }
 
 fn aside(case: &Case, name: &'static str, settings: &PictureSettings) -> Result<Picture, LectureError> {
-    camera_picture(case, settings)?.ok_or(LectureError::Missing { name })
+    camera_picture(case, &PictureSettings { pixels: Some(FINE), ..settings.clone() })?
+        .ok_or(LectureError::Missing { name })
 }

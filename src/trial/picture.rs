@@ -13,11 +13,11 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use self::bent::Bent;
+use self::bent::{Bent, Texels};
 use self::judge::{Plan, Sums};
 use super::outcome::JudgedProperty;
 use crate::case::Case;
-use crate::configuration::Configuration;
+use crate::configuration::{Configuration, MeasurementPoint};
 use crate::estimator::Scratch;
 use crate::eye::{Caustics, Direct, Eye, EyeError, Picture, Pixel, ReceiverView, Shading, View};
 use crate::geometry::{Texel, TexelGrid};
@@ -28,7 +28,7 @@ use crate::sampling::{Strategy, Stream, StreamKey};
 /// Longer side of a receiver's picture where nothing is said, pixels.
 const LONGEST: usize = 256;
 /// Exact values by quadrature take long: along the longer side no more than these are made.
-const MOST_BY_QUADRATURE: usize = 64;
+const MOST_BY_QUADRATURE: usize = 40;
 /// Keeps the maps' streams apart from those of other runs: "picture" in ASCII.
 const PURPOSE: u64 = 0x0070_6963_7475_7265;
 
@@ -169,7 +169,7 @@ pub fn receiver_picture_with(
 
     let bent = Bent::of(room, &eye);
     let light = needs_maps(room, &eye).then(|| bent.settings(&case.light));
-    let texels = light.as_ref().and_then(|light| bent.over_texels(room, light.map));
+    let texels = light.as_ref().and_then(|light| bent.over_texels(room, light.map)).filter(Texels::is_complete);
     let is_known = match (&bent, &light) {
         (Bent::Unknown(_), _) => false,
         (_, Some(_)) => texels.is_some(),
@@ -205,14 +205,20 @@ pub fn receiver_picture_with(
         }
         Some(Due { irradiance, bound, region })
     };
+    let mut places = lattice;
+    places.extend(texels.iter().flat_map(|texels| judge::bright(&of_receiver, texels)));
     let plan = match why_not {
         Some(why) => Err(why),
-        None => Plan::new(case, settings, &of_receiver, &lattice, due_at, texels.as_ref(), light.as_ref()),
+        None => Plan::new(case, settings, &of_receiver, &places, due_at, texels.as_ref(), light.as_ref()),
     };
     let pictures = plan.as_ref().map_or(judge::FEWEST, |plan| plan.pictures);
 
-    let maps = light.as_ref().map(|light| Maps::trace(room, light, &eye, settings.seed, pictures));
+    let watched = plan.as_ref().map_or(&[][..], Plan::points);
+    let maps = light.as_ref().map(|light| Maps::trace(room, light, &eye, settings.seed, pictures, watched));
     let mut sums = plan.as_ref().ok().map(Sums::new);
+    if let (Some(sums), Some(maps)) = (&mut sums, &maps) {
+        sums.add_map(&maps.means);
+    }
     let shading = settings.shading();
     let estimators = eye.estimators(&shading);
     let row = |y: usize, scratch: &mut Scratch| {
@@ -231,7 +237,8 @@ pub fn receiver_picture_with(
                 let of_picture = |(picture, direct): (usize, &f64)| {
                     direct + maps.as_ref().map_or(0.0, |maps| maps.of_picture(picture, spot.point.position()))
                 };
-                watched.push((index, values.iter().enumerate().map(of_picture).collect::<Vec<f64>>()));
+                let shown: Vec<f64> = values.iter().enumerate().map(of_picture).collect();
+                watched.push((index, values.to_vec(), shown));
             }
         }
         let due: Vec<Option<Due>> = (0..width)
@@ -251,7 +258,7 @@ pub fn receiver_picture_with(
         std_error.extend(errors);
         due.extend(exact);
         if let Some(sums) = &mut sums {
-            watched.into_iter().for_each(|(index, values)| sums.add(index, values));
+            watched.into_iter().for_each(|(index, direct, shown)| sums.add(index, &direct, &shown));
         }
     }
     let judged = match (&plan, &sums) {
@@ -289,32 +296,40 @@ struct Maps {
     sums: Vec<[f64; 2]>,
     /// Of texels that are watched: one value for each picture, W/m².
     watched: BTreeMap<usize, Vec<f64>>,
+    /// The mean over the whole map in each picture, W/m².
+    means: Vec<f64>,
     pictures: u64,
 }
 
 impl Maps {
-    /// - `light`: its rays are shared among the pictures
-    fn trace(room: &Configuration, light: &LightSettings, eye: &Eye, seed: u64, pictures: u64) -> Maps {
+    /// - `light`: its rays are shared among the pictures; `watched`: points whose texels are kept picture by picture
+    fn trace(
+        room: &Configuration,
+        light: &LightSettings,
+        eye: &Eye,
+        seed: u64,
+        pictures: u64,
+        watched: &[MeasurementPoint],
+    ) -> Maps {
         let kind = eye.light_from_maps(0);
         let settings = judge::share_of(light, pictures);
-        let View::Receiver(view) = eye.view() else { unreachable!("the receiver is what is judged") };
         let mut maps: Option<Maps> = None;
         for picture in 0..pictures {
             let run = trace(room, &settings, seed_of_map(seed, picture));
             let Some(map) = run.maps.first() else { continue };
             let maps = maps.get_or_insert_with(|| {
                 let (chart, grid) = (*map.parametrisation(), map.grid());
-                let places = judge::lattice(view).into_iter();
-                let points = places.filter_map(|(x, y)| view.element(x as f64 + 0.5, y as f64 + 0.5));
-                let texels = points.map(|point| grid.index(grid.texel(chart.to_map(point.position()))));
+                let texel = |point: &MeasurementPoint| grid.index(grid.texel(chart.to_map(point.position())));
                 Maps {
                     map: chart,
                     grid,
                     sums: vec![[0.0; 2]; grid.n_texels()],
-                    watched: texels.map(|texel| (texel, Vec::new())).collect(),
+                    watched: watched.iter().map(|point| (texel(point), Vec::new())).collect(),
+                    means: Vec::new(),
                     pictures,
                 }
             });
+            maps.means.push(map.total(kind) / map.parametrisation().area());
             for texel in map.grid().texels() {
                 let index = map.grid().index(texel);
                 let value = map.irradiance(texel, kind).unwrap_or_default().watts_per_square_metre();

@@ -246,7 +246,10 @@ mod tests {
         let colours = [[0, 10, 20], [100, 110, 120], [200, 210, 220], [50, 60, 70]];
         assert_eq!(resampled(2, &colours, [2, 2]), colours.as_flattened());
         let twice = resampled(2, &colours, [4, 4]);
-        assert_eq!((&twice[..3], &twice[3..6], &twice[6..9]), (&[0, 10, 20][..], &[0, 10, 20][..], &[100, 110, 120][..]));
+        assert_eq!(
+            (&twice[..3], &twice[3..6], &twice[6..9]),
+            (&[0, 10, 20][..], &[0, 10, 20][..], &[100, 110, 120][..])
+        );
         assert_eq!(resampled(2, &colours, [1, 1]), [88, 98, 108]);
     }
 

@@ -5,7 +5,7 @@ use super::axis::Axis;
 use super::ink::{Align, Page};
 use super::panel::Panel;
 use super::raster::{Frame, Scale};
-use super::render::{PENUMBRA, UMBRA, axis_names, legend, regions};
+use super::render::{PENUMBRA, UMBRA, axis_names, grouped, legend, regions};
 use super::style::{Dash, GREY, INK, Marker, SMALL, TEXT, TITLE, look, shown};
 use crate::eye::Picture;
 use crate::oracle::Region;
@@ -21,8 +21,16 @@ const MARGIN: f64 = 28.0;
 pub fn pages(lecture: &Lecture) -> Vec<(&'static str, &'static str, Page)> {
     vec![
         ("soft-shadow.png", "a disk's soft shadow with its three regions", soft_shadow(lecture)),
-        ("strategies.png", "random, shared and stratified points at 4, 16 and 64 for each pixel", strategies(lecture)),
-        ("textures.png", "textures and maps on a ball, a triangle and a globe, with and without distortion", textures(lecture)),
+        (
+            "strategies.png",
+            "random, shared and stratified points at 4, 16 and 64 for each pixel",
+            strategies(lecture),
+        ),
+        (
+            "textures.png",
+            "textures and maps on a ball, a triangle and a globe, with and without distortion",
+            textures(lecture),
+        ),
         ("caustics.png", "caustics on a plane: a mirror ring, a glass ball, a cup", caustics(lecture)),
     ]
 }
@@ -54,7 +62,9 @@ fn soft_shadow(lecture: &Lecture) -> Page {
     let mut page = titled(
         760.0,
         "Soft shadow of a disk under a disk-shaped source",
-        &["No light in the umbra, some of the source in the penumbra, all of it beyond: the borders are exact, the picture is rendered."],
+        &[
+            "No light in the umbra, some of the source in the penumbra, all of it beyond: the borders are exact, the picture is rendered.",
+        ],
     );
     let room = Frame { left: MARGIN, top: 104.0, width: 420.0, height: 315.0 };
     aside(&mut page, &room, camera);
@@ -73,9 +83,8 @@ fn soft_shadow(lecture: &Lecture) -> Page {
     // Along the middle row.
     let [columns, rows] = receiver.view.pixels();
     let along = |x: usize| across * (x as f64 + 0.5) / columns as f64;
-    let middle: Vec<(f64, Due)> = (0..columns)
-        .filter_map(|x| receiver.due_around(x, rows / 2).map(|(_, due)| (along(x), due)))
-        .collect();
+    let middle: Vec<(f64, Due)> =
+        (0..columns).filter_map(|x| receiver.due_around(x, rows / 2).map(|(_, due)| (along(x), due))).collect();
     let top = middle.iter().map(|(_, due)| due.irradiance).fold(0.0, f64::max);
     let panel = Panel {
         left: 100.0,
@@ -133,12 +142,8 @@ fn strategies(lecture: &Lecture) -> Page {
     let (left, top) = (MARGIN + 26.0, 120.0);
     for (k, (strategy, samples, receiver)) in lecture.strategies.iter().enumerate() {
         let (column, row) = (k % 3, k / 3);
-        let frame = Frame {
-            left: left + step.0 * column as f64,
-            top: top + step.1 * row as f64,
-            width: side,
-            height: side,
-        };
+        let frame =
+            Frame { left: left + step.0 * column as f64, top: top + step.1 * row as f64, width: side, height: side };
         frame.picture(&mut page, receiver.picture.width(), greys(receiver, &scale));
         if row == 0 {
             let words = format!("{samples} points for each pixel");
@@ -148,9 +153,8 @@ fn strategies(lecture: &Lecture) -> Page {
             let at = (MARGIN + 6.0, frame.top + 0.5 * side);
             page.upwards(at, format!("{} points", shown_points(*strategy)), TEXT, INK, Align::Middle);
         }
-        let words = rms(receiver).map_or(String::new(), |rms| {
-            format!("rms error {:.1} % of the mean irradiance", 100.0 * rms)
-        });
+        let words = rms(receiver)
+            .map_or(String::new(), |rms| format!("rms error {:.1} % of the mean irradiance", 100.0 * rms));
         page.text((frame.left + 0.5 * side, frame.bottom() + 12.0), words, SMALL, INK, Align::Middle);
         if k == 2 {
             frame.bar(&mut page, &scale, "W/m²");
@@ -177,7 +181,7 @@ fn rms(receiver: &ReceiverPicture) -> Option<f64> {
 fn textures(lecture: &Lecture) -> Page {
     let of = &lecture.textures;
     let mut page = titled(
-        730.0,
+        655.0,
         "Maps on surfaces: what distorts them, and what undoes it",
         &["A chessboard looked up by (s, t), and light that rays left in the texels of a map."],
     );
@@ -189,14 +193,16 @@ fn textures(lecture: &Lecture) -> Page {
         height,
     };
     let cells: [(usize, usize, &Picture, &str, &str); 5] = [
-        (0, 0, &of.ball, "Ball: longitude and latitude", "fields shrink towards the poles; each has its exact area"),
+        (0, 0, &of.ball, "Ball: longitude and latitude", "fields shrink towards the poles"),
         (1, 0, &of.triangle[0], "Triangle on half the square", "uncorrected: the board is sheared"),
         (2, 0, &of.triangle[1], "Triangle on one similar to it", "corrected: squares are square"),
         (0, 1, &of.globe[0], "Caustic on a globe, uncorrected", "flux over the mean texel area: dark at the pole"),
         (1, 1, &of.globe[1], "The same, corrected", "flux over the exact area of each texel"),
     ];
-    // Both globes by one white.
-    let globes = Tone::of_picture(&of.globe[1]);
+    // Both globes by one white, low enough to see the ground that the caustic lies on.
+    let radiosities =
+        of.globe[1].pixels().iter().filter_map(|pixel| pixel.lit).map(|lit| lit.albedo * lit.irradiance());
+    let globes = Tone { white: quantile(radiosities.filter(|value| *value > 0.0), 0.98).unwrap_or(1.0) };
     for (column, row, picture, heading, below) in cells {
         let frame = frame(column, row);
         let tone = if row == 1 { globes } else { Tone::of_picture(picture) };
@@ -205,15 +211,16 @@ fn textures(lecture: &Lecture) -> Page {
     }
     let globe = frame(1, 1);
     globe.bar(&mut page, &Scale::Tone(globes), "radiosity, W/m²");
-    let left = frame(2, 1).left + 56.0;
+    let left = frame(2, 1).left + 62.0;
     for (k, line) in [
-        "Near a pole a texel of a sphere's map is narrow:",
-        "its area is R² Δlongitude Δ(sin latitude), not a",
-        "share of the map. Divided by the wrong area, the",
-        "brightest spot of the caustic is the darkest.",
+        "Near a pole a texel of a sphere’s map",
+        "is narrow. Its area is",
         "",
-        "The sum over texels of radiosity × exact area",
-        "is the reflected power, whatever the map is.",
+        "   R² Δlongitude Δ(sin latitude),",
+        "",
+        "not a share of the map: divided by the",
+        "wrong area, the brightest spot of the",
+        "caustic is the darkest.",
     ]
     .into_iter()
     .enumerate()
@@ -225,9 +232,11 @@ fn textures(lecture: &Lecture) -> Page {
 
 fn caustics(lecture: &Lecture) -> Page {
     let mut page = titled(
-        690.0,
+        660.0,
         "Caustics on a plane",
-        &["Above: the room, direct light and map together. Below: irradiance of the plane, square on, texel by texel."],
+        &[
+            "Above: the room, direct light and map together. Below: irradiance of the plane, square on, texel by texel.",
+        ],
     );
     let (width, height) = (286.0, 214.5);
     for (k, caustic) in lecture.caustics.iter().enumerate() {
@@ -246,7 +255,7 @@ fn caustics(lecture: &Lecture) -> Page {
         plane.metres(&mut page, [&axes[0], &axes[1]], axis_names(receiver.view.shape()));
         let light = receiver.light.as_ref();
         let words = light.map_or(String::new(), |light| {
-            format!("{} rays, {} × {} texels", light.rays, light.map[0], light.map[1])
+            format!("{} rays, {} × {} texels", grouped(light.rays), light.map[0], light.map[1])
         });
         page.text((left, plane.bottom() + 54.0), words, SMALL, GREY, Align::Start);
     }

@@ -30,10 +30,11 @@ pub fn receiver(receiver: &ReceiverPicture) -> Page {
     let is_known = receiver.due.iter().any(Option::is_some);
     let [across, up] = receiver.view.extent();
     let slot = 0.5 * (WIDTH - 2.0 * MARGIN);
-    let (room, shape) = ((slot - 62.0 - 84.0, 330.0), across / up);
+    let room = if is_known { (slot - 62.0 - 84.0, 330.0) } else { (WIDTH - 2.0 * MARGIN - 62.0 - 84.0, 560.0) };
+    let shape = across / up;
     let probe = Frame::fitted((0.0, 0.0), room, shape);
-    let step = probe.height + 94.0;
-    let height = 84.0 + if is_known { 2.0 * step } else { step } + 50.0;
+    let step = probe.height + 90.0;
+    let height = 84.0 + if is_known { 2.0 * step } else { step } + 34.0;
     let mut page = Page::new(WIDTH, height);
     page.bold((MARGIN, 24.0), receiver.title.as_str(), TITLE, INK, Align::Start);
     let mut words = format!(
@@ -43,7 +44,8 @@ pub fn receiver(receiver: &ReceiverPicture) -> Page {
         receiver.settings.samples
     );
     if let Some(light) = &receiver.light {
-        words += &format!("; {} rays from the light, {} × {} texels", light.rays, light.map[0], light.map[1]);
+        words +=
+            &format!("; {} rays from the light, {} × {} texels", grouped(light.rays), light.map[0], light.map[1]);
     }
     page.text((MARGIN, 46.0), words, TEXT, GREY, Align::Start);
 
@@ -53,7 +55,8 @@ pub fn receiver(receiver: &ReceiverPicture) -> Page {
     let z = |x: usize, y: usize| receiver.z_around(x, y);
     let places = || (0..columns * rows).map(|k| (k % columns, k / columns));
     let tone = Scale::Tone(Tone::of(places().filter_map(|(x, y)| irradiance(x, y))));
-    let largest = quantile(places().filter_map(|(x, y)| error(x, y)).map(f64::abs), SHOWN).filter(|e| *e > 0.0);
+    let errors = places().filter_map(|(x, y)| error(x, y)).map(f64::abs).filter(|error| *error > 0.0);
+    let largest = quantile(errors, SHOWN);
     let signed = Scale::Signed { largest: largest.unwrap_or(1.0) };
     let of_z = Scale::Signed { largest: LARGEST_Z };
     type Values<'a> = &'a dyn Fn(usize, usize) -> Option<f64>;
@@ -61,8 +64,8 @@ pub fn receiver(receiver: &ReceiverPicture) -> Page {
         vec![("rendered", "irradiance at the middle of each pixel", "W/m²", &irradiance, tone)];
     if is_known {
         panels.push(("exact", "what is due there", "W/m²", &due, tone));
-        panels.push(("rendered less exact", "", "W/m²", &error, signed));
-        panels.push(("z", "the same in standard errors, by the spread of all pictures", "", &z, of_z));
+        panels.push(("rendered less exact", "orange: too bright; blue: too dark", "W/m²", &error, signed));
+        panels.push(("z", "the same over its standard error; grey: none", "", &z, of_z));
     }
     let names = axis_names(receiver.view.shape());
     let axes = [Axis::linear(0.0, across, false, 4), Axis::linear(0.0, up, false, 4)];
@@ -95,6 +98,19 @@ pub fn receiver(receiver: &ReceiverPicture) -> Page {
     };
     page.text((MARGIN, foot + 22.0), words, SMALL, INK, Align::Start);
     page
+}
+
+/// A number with spaces between its thousands.
+pub fn grouped(number: u64) -> String {
+    let digits = number.to_string();
+    let mut text = String::new();
+    for (k, digit) in digits.chars().enumerate() {
+        if k > 0 && (digits.len() - k) % 3 == 0 {
+            text.push(' ');
+        }
+        text.push(digit);
+    }
+    text
 }
 
 /// What lies along the edges of a receiver's picture.

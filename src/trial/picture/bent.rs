@@ -44,6 +44,24 @@ impl Texels {
     pub fn index(&self, point: &MeasurementPoint) -> usize {
         self.grid.index(self.grid.texel(self.map.to_map(point.position())))
     }
+    /// The mean over all texels; complete ones only are to be asked.
+    pub fn all(&self) -> Bounded {
+        let mut sum = Bounded::default();
+        for (texel, mean) in self.means.iter().enumerate() {
+            let (area, mean) = (self.area(texel), mean.unwrap_or_default());
+            sum.value += mean.value * area;
+            sum.bound += mean.bound * area;
+        }
+        sum.scaled(1.0 / self.total_area())
+    }
+    /// Whether every texel has a value.
+    pub fn is_complete(&self) -> bool {
+        self.means.iter().all(Option::is_some)
+    }
+    /// Square metres.
+    pub fn total_area(&self) -> f64 {
+        self.map.area()
+    }
     /// Square metres.
     pub fn area(&self, texel: usize) -> f64 {
         let ns = self.grid.ns();
@@ -131,8 +149,7 @@ impl Bent {
                     kinds.entry(alike(texel)).or_insert(*texel);
                 });
                 let kinds: Vec<_> = kinds.into_iter().collect();
-                let found: BTreeMap<_, _> =
-                    kinds.into_par_iter().map(|(kind, texel)| (kind, mean(&texel))).collect();
+                let found: BTreeMap<_, _> = kinds.into_par_iter().map(|(kind, texel)| (kind, mean(&texel))).collect();
                 texels.iter().map(|texel| found[&alike(texel)]).collect()
             }
             _ => texels.par_iter().map(mean).collect(),

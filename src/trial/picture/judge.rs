@@ -1,11 +1,14 @@
 //! The verdict on a picture: which pixels are watched, how many pictures it takes, and what came of it.
+//!
+//! Judged are the watched pixels one by one, and a mean: that of their direct light plus that of the bent light over the whole
+//! map, which all of its rays decide.
 
 use std::collections::BTreeMap;
 
 use super::bent::Texels;
 use super::{Due, PictureSettings};
 use crate::case::{Case, Study};
-use crate::configuration::{Arrangement, Configuration, Contents};
+use crate::configuration::{Arrangement, Configuration, Contents, MeasurementPoint};
 use crate::eye::ReceiverView;
 use crate::light::{LightSettings, LightTracer};
 use crate::oracle::Oracle;
@@ -18,10 +21,14 @@ use crate::trial::predict::Predictions;
 
 /// Watched pixels along either side, at most.
 const SIDE: usize = 12;
+/// As many more where the bent light is.
+const BRIGHT: usize = 72;
 /// Pictures that are made at least: fewer could not fail a pixel.
 pub(super) const FEWEST: u64 = 32;
 /// And at most.
 const MOST: u64 = 256;
+/// A picture is a look: what must have been seen is so much coarser than the study's smallest bias in the mean.
+const COARSER: f64 = 5.0;
 /// Rounding of an estimate, relative.
 const ROUNDING: f64 = 1e-9;
 /// Of the mean of all watched pixels: a darker one is watched, and no promise is made of it.
@@ -38,6 +45,27 @@ pub(super) fn lattice(view: &ReceiverView) -> Vec<(usize, usize)> {
     places.filter(|(x, y)| view.element(*x as f64 + 0.5, *y as f64 + 0.5).is_some()).collect()
 }
 
+/// More pixels, where the bent light is: each stands for the same share of it, row by row.
+pub(super) fn bright(view: &ReceiverView, texels: &Texels) -> Vec<(usize, usize)> {
+    let [width, height] = view.pixels();
+    let light = |k: usize| {
+        let point = view.element((k % width) as f64 + 0.5, (k / width) as f64 + 0.5)?;
+        texels.at(&point).map(|mean| mean.value)
+    };
+    let lights: Vec<f64> = (0..width * height).map(|k| light(k).unwrap_or(0.0)).collect();
+    let step = lights.iter().sum::<f64>() / BRIGHT as f64;
+    let (mut gathered, mut next, mut found) = (0.0, 0.5 * step, Vec::new());
+    for (k, light) in lights.into_iter().enumerate().filter(|(_, light)| *light > 0.0) {
+        gathered += light;
+        if gathered > next {
+            found.push((k % width, k / width));
+            // A pixel that holds several shares is watched once.
+            next += step * ((gathered - next) / step).ceil();
+        }
+    }
+    found
+}
+
 /// What is stated of one mean, for one picture's value.
 #[derive(Clone, Copy, Debug)]
 struct Watched {
@@ -52,8 +80,10 @@ struct Watched {
 pub(super) struct Plan {
     pub pictures: u64,
     places: BTreeMap<(usize, usize), usize>,
+    points: Vec<MeasurementPoint>,
     pixels: Vec<Watched>,
     mean: Watched,
+    has_map: bool,
 }
 
 /// What maps add to the variances. Each picture has its share of the rays, in groups that carry the same flux g.
@@ -84,24 +114,28 @@ pub(super) fn share_of(light: &LightSettings, pictures: u64) -> LightSettings {
 
 impl Plan {
     /// `Err`: why nothing can be stated.
+    ///
+    /// - `places`: columns and rows of the pixels to watch
     pub fn new(
         case: &Case,
         settings: &PictureSettings,
         view: &ReceiverView,
-        lattice: &[(usize, usize)],
+        places: &[(usize, usize)],
         due_at: impl Fn(usize, usize) -> Option<Due>,
         texels: Option<&Texels>,
         light: Option<&LightSettings>,
     ) -> Result<Plan, String> {
-        let known = lattice.iter().filter_map(|(x, y)| {
+        let known = places.iter().filter_map(|(x, y)| {
             let point = view.element(*x as f64 + 0.5, *y as f64 + 0.5)?;
             due_at(*x, *y).map(|due| ((*x, *y), point, due))
         });
         let (mut places, mut points, mut dues) = (BTreeMap::new(), Vec::new(), Vec::new());
         for (place, point, due) in known {
-            places.insert(place, points.len());
-            points.push(point);
-            dues.push(due);
+            if let std::collections::btree_map::Entry::Vacant(free) = places.entry(place) {
+                free.insert(points.len());
+                points.push(point);
+                dues.push(due);
+            }
         }
         if points.is_empty() {
             return Err("no pixel has an exact value".to_owned());
@@ -115,11 +149,8 @@ impl Plan {
             let arrangement = Arrangement::Scattered;
             let watched = Configuration::of(Contents { points: points.clone(), arrangement, ..contents })
                 .map_err(|errors| format!("a watched pixel has no exact value: {}", errors[0]))?;
-            let study = Study {
-                strategies: vec![settings.strategy],
-                samples: vec![settings.samples],
-                ..case.study.clone()
-            };
+            let study =
+                Study { strategies: vec![settings.strategy], samples: vec![settings.samples], ..case.study.clone() };
             let predictions = Predictions::new(&Oracle::new(&watched), &watched, &study, &weights, &[]);
             let cell = predictions.cell(settings.strategy, &study, 0, &weights);
             let unknown = || format!("the variance of {} is not predicted here", settings.strategy);
@@ -143,30 +174,37 @@ impl Plan {
                     Watched { due, margin: dues[p].bound + ROUNDING * due, variance }
                 })
                 .collect();
+            let of_direct = |value: &dyn Fn(usize) -> f64| (0..points.len()).map(value).sum::<f64>() / n;
+            let mut due = of_direct(&|p| (dues[p].irradiance - bent(p).value).max(0.0));
+            let mut margin = of_direct(&|p| dues[p].bound);
             let mut variance = direct_mean;
             if let Some(map) = &of_map {
-                let mut counts: BTreeMap<usize, f64> = BTreeMap::new();
-                points.iter().for_each(|point| *counts.entry(map.texels.index(point)).or_default() += 1.0 / n);
-                let heaviest = counts.iter().map(|(texel, share)| share / map.texels.area(*texel)).fold(0.0, f64::max);
-                let all: f64 = (0..points.len()).map(|p| (bent(p).value + bent(p).bound) / n).sum();
-                variance += map.variance(all, heaviest);
+                let (all, area) = (map.texels.all(), map.texels.total_area());
+                due += all.value;
+                margin += all.bound;
+                variance += map.variance(all.value + all.bound, 1.0 / area);
             }
-            let mean_of = |value: &dyn Fn(&Watched) -> f64| pixels.iter().map(value).sum::<f64>() / n;
-            let mean = Watched { due: mean_of(&|p| p.due), margin: mean_of(&|p| p.margin), variance };
+            let mean = Watched { due, margin: margin + ROUNDING * due, variance };
             (pixels, mean)
         };
         let mut pictures = FEWEST;
         let (mut pixels, mut mean) = stated(pictures);
-        while pictures < MOST && seen(&mean, pictures, pixels.len() + 1) > case.study.smallest_bias.mean * mean.due {
+        let asked = COARSER * case.study.smallest_bias.mean;
+        while pictures < MOST && seen(&mean, pictures, pixels.len() + 1) > asked * mean.due {
             pictures *= 2;
             (pixels, mean) = stated(pictures);
         }
-        Ok(Plan { pictures, places, pixels, mean })
+        Ok(Plan { pictures, places, points, pixels, mean, has_map: texels.is_some() })
     }
 
     /// The number of a watched pixel.
     pub fn index_of(&self, x: usize, y: usize) -> Option<usize> {
         self.places.get(&(x, y)).copied()
+    }
+
+    /// Where the watched pixels are.
+    pub fn points(&self) -> &[MeasurementPoint] {
+        &self.points
     }
 
     pub fn judge(&self, sums: &Sums, case: &Case, settings: &PictureSettings) -> JudgedProperty {
@@ -181,13 +219,12 @@ impl Plan {
         };
         let capitals: Vec<f64> = claims.iter().map(capital).collect();
         let evidence = log10_capped(ln_average(capitals.iter().copied()));
-        let relative = |watched: &Watched| {
-            (watched.due > 0.0).then(|| seen(watched, self.pictures, components) / watched.due)
-        };
+        let relative =
+            |watched: &Watched| (watched.due > 0.0).then(|| seen(watched, self.pictures, components) / watched.due);
         let in_mean = relative(&self.mean);
         let lit = self.pixels.iter().filter(|pixel| pixel.due >= WELL_LIT * self.mean.due);
         let worst = lit.filter_map(relative).reduce(f64::max);
-        let asked = case.study.smallest_bias.mean;
+        let asked = COARSER * case.study.smallest_bias.mean;
         let verdict = if evidence >= THRESHOLD_LOG10 {
             Verdict::Fail
         } else if in_mean.is_none_or(|seen| seen <= asked * (1.0 + 1e-9)) {
@@ -201,11 +238,17 @@ impl Plan {
         let scale = [watched.due, self.mean.due].into_iter().find(|due| *due > 0.0).unwrap_or(1.0);
         let effect = values.mean_deviation().unwrap_or(0.0) / scale;
         let error = values.std_error().unwrap_or(0.0) / scale;
+        let n = self.pixels.len();
+        let mean_of = if self.has_map {
+            format!("the mean of {n} pixels and the map")
+        } else {
+            format!("the mean of {n} pixels")
+        };
         let place = self.places.iter().find(|(_, index)| **index == shown);
         let place = match place {
             Some(((x, y), _)) if watched.due > 0.0 => format!("in pixel ({x}, {y})"),
             Some(((x, y), _)) => format!("of the mean in pixel ({x}, {y}), where nothing is due"),
-            None => format!("in the mean of {} pixels", self.pixels.len()),
+            None => format!("in {mean_of}"),
         };
         let percent = |x: Option<f64>| x.map_or("nothing".to_owned(), |x| format!("{:.2} %", 100.0 * x));
         let bar = format!("{} at the worst well-lit one", percent(worst));
@@ -216,17 +259,17 @@ impl Plan {
                 100.0 * Z_95 * error,
                 self.pictures
             ),
-            Verdict::Pass if in_mean.is_none() => "no light is due in the watched pixels, and none arrived".to_owned(),
+            Verdict::Pass if in_mean.is_none() => {
+                "no light is due in the watched pixels, and none arrived".to_owned()
+            }
             Verdict::Pass => format!(
-                "no deviation above {} in the mean of {} pixels, {bar}, over {} pictures",
+                "no deviation above {} in {mean_of}, {bar}, over {} pictures",
                 percent(in_mean),
-                self.pixels.len(),
                 self.pictures
             ),
             Verdict::Undecided => format!(
-                "too little light: a deviation of {} in the mean of {} pixels would have been seen ({} asked), {bar}",
+                "too little light: a deviation of {} in {mean_of} would have been seen ({} asked), {bar}",
                 percent(in_mean),
-                self.pixels.len(),
                 percent(Some(asked))
             ),
         };
@@ -255,7 +298,7 @@ fn seen(watched: &Watched, pictures: u64, components: usize) -> f64 {
 /// Values of the watched pixels over all pictures.
 pub(super) struct Sums {
     pixels: Vec<PowerSums>,
-    /// Of all watched pixels, one for each picture, W/m².
+    /// The mean that is judged, one for each picture, W/m².
     means: Vec<f64>,
 }
 
@@ -266,12 +309,16 @@ impl Sums {
             means: vec![0.0; plan.pictures as usize],
         }
     }
-    /// - `values`: one for each picture, W/m²
-    pub fn add(&mut self, pixel: usize, values: Vec<f64>) {
+    /// What pictures show in a watched pixel: direct light, and that plus the map's; one for each picture, W/m².
+    pub fn add(&mut self, pixel: usize, direct: &[f64], values: &[f64]) {
         let n = self.pixels.len() as f64;
-        for (value, mean) in values.iter().zip(&mut self.means) {
+        for ((direct, value), mean) in direct.iter().zip(values).zip(&mut self.means) {
             self.pixels[pixel].add(*value);
-            *mean += value / n;
+            *mean += direct / n;
         }
+    }
+    /// The mean over the map in each picture, W/m².
+    pub fn add_map(&mut self, of_pictures: &[f64]) {
+        self.means.iter_mut().zip(of_pictures).for_each(|(mean, map)| *mean += map);
     }
 }
