@@ -18,9 +18,11 @@ pub(super) fn written(
     };
     let channels = AnyChannels::sort(channels.into_iter().map(channel).collect());
     let text = |text: &str| Text::new_or_none(text).ok_or_else(|| format!("no Latin-1 text: {text}"));
-    let mut attributes = LayerAttributes::default();
-    attributes.comments = Some(text(comments)?);
-    attributes.software_name = Some(text(concat!("etendue ", env!("CARGO_PKG_VERSION")))?);
+    let mut attributes = LayerAttributes {
+        comments: Some(text(comments)?),
+        software_name: Some(text(concat!("etendue ", env!("CARGO_PKG_VERSION")))?),
+        ..LayerAttributes::default()
+    };
     // The writer keeps these in no order: one alone has one.
     attributes.other.insert(text("units")?, AttributeValue::Text(text(units)?));
     let layer = Layer::new((width, height), attributes, Encoding::SMALL_LOSSLESS, channels);
