@@ -28,7 +28,7 @@ use crate::sampling::{Strategy, Stream, StreamKey};
 /// Longer side of a receiver's picture where nothing is said, pixels.
 const LONGEST: usize = 256;
 /// Exact values by quadrature take long: along the longer side no more than these are made.
-const MOST_BY_QUADRATURE: usize = 64;
+const MOST_BY_QUADRATURE: usize = 40;
 /// Keeps the maps' streams apart from those of other runs: "picture" in ASCII.
 const PURPOSE: u64 = 0x0070_6963_7475_7265;
 

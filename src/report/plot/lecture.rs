@@ -181,7 +181,7 @@ fn rms(receiver: &ReceiverPicture) -> Option<f64> {
 fn textures(lecture: &Lecture) -> Page {
     let of = &lecture.textures;
     let mut page = titled(
-        690.0,
+        655.0,
         "Maps on surfaces: what distorts them, and what undoes it",
         &["A chessboard looked up by (s, t), and light that rays left in the texels of a map."],
     );
@@ -199,8 +199,10 @@ fn textures(lecture: &Lecture) -> Page {
         (0, 1, &of.globe[0], "Caustic on a globe, uncorrected", "flux over the mean texel area: dark at the pole"),
         (1, 1, &of.globe[1], "The same, corrected", "flux over the exact area of each texel"),
     ];
-    // Both globes by one white.
-    let globes = Tone::of_picture(&of.globe[1]);
+    // Both globes by one white, low enough to see the ground that the caustic lies on.
+    let radiosities =
+        of.globe[1].pixels().iter().filter_map(|pixel| pixel.lit).map(|lit| lit.albedo * lit.irradiance());
+    let globes = Tone { white: quantile(radiosities.filter(|value| *value > 0.0), 0.98).unwrap_or(1.0) };
     for (column, row, picture, heading, below) in cells {
         let frame = frame(column, row);
         let tone = if row == 1 { globes } else { Tone::of_picture(picture) };
