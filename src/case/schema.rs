@@ -585,8 +585,15 @@ pub const RINGS: Key = key(
     NONE,
     "Rings on the receiver in which light is counted by its number of interactions.",
 );
+pub const TILES: Key = key(
+    "tiles",
+    Value::CountPair,
+    "",
+    NONE,
+    "Tiles of the receiver, along s and t, in which light is counted by its number of interactions; 4096 at most.",
+);
 /// How light is followed.
-pub const LIGHTS: Table = Table { path: "light", keys: &[RAYS, TEXELS, DEPTH, AIM, SPLIT, RINGS] };
+pub const LIGHTS: Table = Table { path: "light", keys: &[RAYS, TEXELS, DEPTH, AIM, SPLIT, RINGS, TILES] };
 pub const RING_COUNT: Key = key("count", Value::Count, "", Need::Required, "Rings of equal width, from 1 to 4096.");
 pub const RING_RADIUS: Key =
     key("radius", Value::Number, "m", Need::Required, "Outer radius of the last ring; greater than zero.");

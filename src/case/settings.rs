@@ -6,6 +6,7 @@ use super::error::CaseError;
 use super::schema::{self, Key, MAX_COUNT};
 use super::study::{Accepted, PROPERTIES, Replicates, SmallestBias, Study};
 use super::walk::{Log, Node};
+use crate::geometry::TexelGrid;
 use crate::light::{Aim, LightSettings, Rings, Split};
 use crate::sampling::Strategy;
 
@@ -50,27 +51,28 @@ pub(super) fn light(node: &Node, log: &mut Log) -> LightSettings {
     let split = named(&schema::SPLIT, &Split::ALL.map(Split::name), log);
     LightSettings {
         rays: rays.unwrap_or(default.rays),
-        map: map(node, log).unwrap_or(default.map),
+        map: pair(node, &schema::TEXELS, "texels", LightSettings::MOST_TEXELS, log).unwrap_or(default.map),
         depth: depth.map_or(default.depth, |depth| depth as usize),
         aim: Aim::ALL.into_iter().find(|known| Some(known.name()) == aim).unwrap_or(default.aim),
         split: Split::ALL.into_iter().find(|known| Some(known.name()) == split).unwrap_or(default.split),
         rings: rings(node, log),
+        tiles: pair(node, &schema::TILES, "tiles", Rings::MOST, log).and_then(|[ns, nt]| TexelGrid::new(ns, nt).ok()),
     }
 }
 
-fn map(node: &Node, log: &mut Log) -> Option<[usize; 2]> {
-    let value = node.raw(&schema::TEXELS)?;
-    let items = node.items(&schema::TEXELS, value, log)?;
-    let most = LightSettings::MOST_TEXELS as u64;
-    let sides: Vec<_> = items.iter().map(|item| node.count_of(&schema::TEXELS, item, 1, 1 << 16, log)).collect();
+/// Fields along s and t, no more than `most` in all.
+fn pair(node: &Node, key: &'static Key, what: &'static str, most: usize, log: &mut Log) -> Option<[usize; 2]> {
+    let value = node.raw(key)?;
+    let items = node.items(key, value, log)?;
+    let sides: Vec<_> = items.iter().map(|item| node.count_of(key, item, 1, 1 << 16, log)).collect();
     let [ns, nt] = sides[..] else {
-        let key = node.schema.full_name(schema::TEXELS.name);
+        let key = node.schema.full_name(key.name);
         log.add(value.span(), CaseError::Length { key, what: "numbers", said: sides.len(), expected: 2 });
         return None;
     };
     let (ns, nt) = (ns?, nt?);
-    if ns * nt > most {
-        log.add(value.span(), CaseError::TooMany { what: "texels", said: (ns * nt).into(), limit: most });
+    if ns * nt > most as u64 {
+        log.add(value.span(), CaseError::TooMany { what, said: (ns * nt).into(), limit: most as u64 });
         return None;
     }
     Some([usize::try_from(ns).ok()?, usize::try_from(nt).ok()?])

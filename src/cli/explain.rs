@@ -74,26 +74,29 @@ energy: every watt that left a source is booked, once.
   books       emitted = deposited + absorbed + escaped + terminated
   checked     what the rays carried as they left is the sources' closed form; the maps hold what was deposited
   units       W; gaps relative to the sources' power
-  pass        all three gaps below 10^-12, for each budget of rays: rounding, no statistics
+  pass        all three gaps below 10^-12, for each budget of rays: rounding, no statistics. Where theory knows what is
+              deposited (exact_deposited_W), also no evidence that another share was, by the gate of `explain verdict`
   deposited   on the receiver and diffuse surfaces; absorbed by mirrors, occluders, sources, backs of diffuse
               surfaces; escaped: met nothing any more; terminated: beyond the limit of interactions ([light] depth)
 
-What it does not say: that the shares are right. Books balance as well when a lens lets through too much; see caustic.
+What it does not say, where that column is empty: that the shares are right. Books balance as well when a lens lets
+through too much; see caustic.
 ";
 
 const CAUSTIC: &str = "\
-caustic: rings around the axis of a caustic get the flux that is due.
+caustic: rings around the axis of a caustic, or tiles of a cup's floor, get the flux that is due.
 
   known       one lamp, one optic on its axis, a flat receiver square to it: a beam into a paraboloid or spherical
               mirror (1 interaction), through a ball or plano-convex lens (2), a lamp over a slab (2, 4, 6, 8);
-              an area source in one flat mirror (the whole receiver)
+              an area source in one flat mirror (the whole receiver); a slanting beam in half of a cylinder mirror
+              (1; tiles of the floor)
   exact       flux is kept along a tube of rays: the integral of Fresnel's shares over the rays that land in the ring
   statement   a group of rays brings a mean m to the ring, and never more than the flux g that it carries: its
               variance is at most m (g - m), known beforehand, and the gate of `explain verdict` applies
   pass        no evidence against it, and `seen from 0.5 / 5 %`: a deviation of 0.5 % over all rings, of 5 % in the
               worst ring that gets a hundredth of it or more, would have been caught with 99 % probability
 
-What it does not say: nothing of other orders (reflections off the glass), of maps that are not rings, of places on
+What it does not say: nothing of other orders (reflections off the glass), of maps that are neither, of places on
 the caustic itself, where the irradiance has no bound and only rings have a flux.
 ";
 

@@ -6,7 +6,7 @@ use super::map::Landing;
 use super::room::{Met, Role, Room, Start};
 use super::settings::{LightSettings, Rings, Split};
 use super::tally::Tally;
-use crate::geometry::DVec3;
+use crate::geometry::{DVec3, TexelGrid};
 
 /// A branch that carries less than this share of its ray's first flux splits no further: one part is chosen.
 const FAINT: f64 = 1.0 / 1024.0;
@@ -52,11 +52,13 @@ pub(super) struct Tracer<'a> {
     pub depth: usize,
     pub split: Split,
     pub rings: Option<Rings>,
+    pub tiles: Option<TexelGrid>,
 }
 
 impl<'a> Tracer<'a> {
     pub fn new(room: &'a Room, landings: &'a [Landing], settings: &LightSettings) -> Tracer<'a> {
-        Tracer { room, landings, depth: settings.depth, split: settings.split, rings: settings.rings }
+        let LightSettings { depth, split, rings, tiles, .. } = *settings;
+        Tracer { room, landings, depth, split, rings, tiles }
     }
 
     /// Follows a ray and its branches to their ends, and books all of its flux.
@@ -150,6 +152,10 @@ impl<'a> Tracer<'a> {
             if ring < rings.count as f64 {
                 tally.rings.add(ray.order * rings.count + ring as usize, flux);
             }
+        }
+        if let (Some(tiles), true) = (self.tiles, map == 0) {
+            let tile = tiles.index(tiles.texel(self.landings[map].parametrisation.to_map(at)));
+            tally.tiles.add(ray.order * tiles.n_texels() + tile, flux);
         }
     }
 

@@ -270,6 +270,31 @@ impl RingMap {
     }
 }
 
+/// Light on tiles of the receiver, by the number of interactions on its way.
+#[derive(Clone, Debug)]
+pub struct TileMap {
+    pub tiles: TexelGrid,
+    pub(super) parametrisation: Parametrisation,
+    /// `[depth + 1][n_tiles]`.
+    pub(super) cells: Vec<Moments>,
+    pub(super) n_groups: u64,
+}
+
+impl TileMap {
+    /// What light of one order left in a tile, W.
+    pub fn moments(&self, order: usize, tile: Texel) -> Moments {
+        self.cells.get(order * self.tiles.n_texels() + self.tiles.index(tile)).copied().unwrap_or_default()
+    }
+    /// Independent groups of rays.
+    pub fn n_groups(&self) -> u64 {
+        self.n_groups
+    }
+    /// Exact, square metres.
+    pub fn area(&self, tile: Texel) -> f64 {
+        self.parametrisation.texel_area(self.tiles, tile)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -59,6 +59,6 @@ mod trace;
 
 pub use interface::{Interface, reflected};
 pub use ledger::{Ledger, Moments, Sum};
-pub use map::{Light, RingMap, TexelMap};
+pub use map::{Light, RingMap, TexelMap, TileMap};
 pub use settings::{Aim, LightSettings, Rings, Split};
 pub use trace::{LightRun, LightTracer, trace};

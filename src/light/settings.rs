@@ -1,6 +1,6 @@
 //! How rays are sent from the light.
 
-use crate::geometry::DVec3;
+use crate::geometry::{DVec3, TexelGrid};
 
 /// Where rays are sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -80,6 +80,8 @@ pub struct LightSettings {
     pub split: Split,
     /// On the receiver; `None`: light is not counted in rings.
     pub rings: Option<Rings>,
+    /// Tiles of the receiver along s and t in which light is counted by its number of interactions, at most [`Rings::MOST`].
+    pub tiles: Option<TexelGrid>,
 }
 
 impl LightSettings {
@@ -93,6 +95,14 @@ impl LightSettings {
 
 impl Default for LightSettings {
     fn default() -> LightSettings {
-        LightSettings { rays: 1_000_000, map: [64, 64], depth: 16, aim: Aim::Optics, split: Split::One, rings: None }
+        LightSettings {
+            rays: 1_000_000,
+            map: [64, 64],
+            depth: 16,
+            aim: Aim::Optics,
+            split: Split::One,
+            rings: None,
+            tiles: None,
+        }
     }
 }

@@ -21,7 +21,7 @@ impl Touched {
     }
 }
 
-/// Few cells, all in memory: by order of interaction, or rings.
+/// Few cells, all in memory: by order of interaction, rings or tiles.
 #[derive(Clone, Debug)]
 pub(super) struct Dense {
     pub cells: Vec<Moments>,
@@ -60,6 +60,8 @@ pub(super) struct Tally {
     pub orders: Dense,
     /// `[depth + 1][n_rings]`.
     pub rings: Dense,
+    /// `[depth + 1][n_tiles]`.
+    pub tiles: Dense,
     /// What each group left in each texel, in order. Texels are counted through all maps: twice the texel's number, plus
     /// one where the light has met an optic.
     pub texels: Vec<(u32, f64)>,
@@ -73,7 +75,7 @@ pub(super) struct Tally {
 }
 
 impl Tally {
-    pub fn new(n_maps: usize, depth: usize, n_rings: usize, n_optics: usize) -> Tally {
+    pub fn new(n_maps: usize, depth: usize, [n_rings, n_tiles]: [usize; 2], n_optics: usize) -> Tally {
         Tally {
             rays: 0,
             groups: 0,
@@ -84,6 +86,7 @@ impl Tally {
             terminated: Sum::default(),
             orders: Dense::new(n_maps * (depth + 1)),
             rings: Dense::new((depth + 1) * n_rings),
+            tiles: Dense::new((depth + 1) * n_tiles),
             texels: Vec::new(),
             depolarised: 0,
             depolarised_flux: Sum::default(),
@@ -107,6 +110,7 @@ impl Tally {
         self.texels.extend(self.touched.0.drain(..));
         self.orders.settle();
         self.rings.settle();
+        self.tiles.settle();
     }
 
     /// Adds a later batch, all but its texels.
@@ -120,6 +124,7 @@ impl Tally {
         self.terminated += other.terminated;
         self.orders.merge(&other.orders);
         self.rings.merge(&other.rings);
+        self.tiles.merge(&other.tiles);
         self.depolarised += other.depolarised;
         self.depolarised_flux += other.depolarised_flux;
         self.reached.iter_mut().zip(&other.reached).for_each(|(sum, n)| *sum += n);

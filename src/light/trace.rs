@@ -6,7 +6,7 @@ use super::chain::Tracer;
 use super::draws::Draws;
 use super::emitter::{Emitter, Group, emitters};
 use super::ledger::{Ledger, Moments, Sum};
-use super::map::{Landing, RingMap, TexelMap};
+use super::map::{Landing, RingMap, TexelMap, TileMap};
 use super::room::Room;
 use super::settings::LightSettings;
 use super::tally::Tally;
@@ -29,6 +29,8 @@ pub struct LightRun {
     pub maps: Vec<TexelMap>,
     /// On the receiver; `None` where the settings name none, or there is no receiver.
     pub rings: Option<RingMap>,
+    /// On the receiver; `None` likewise.
+    pub tiles: Option<TileMap>,
     /// What was deposited by light of each number of interactions, on each map: `[n_maps][depth + 1]`, W.
     orders: Vec<Moments>,
     depth: usize,
@@ -81,13 +83,14 @@ impl LightTracer {
         let landings = shapes.enumerate().map(|(k, shape)| Landing::new(&shape, grid, k * grid.n_texels())).collect();
         // Rings lie on the receiver.
         let rings = settings.rings.filter(|_| configuration.receiver().is_some());
+        let tiles = settings.tiles.filter(|_| configuration.receiver().is_some());
         let mut source_power = Sum::default();
         emitters.iter().for_each(|emitter| source_power += emitter.power);
         LightTracer {
             room,
             emitters,
             landings,
-            settings: LightSettings { rings, ..settings.clone() },
+            settings: LightSettings { rings, tiles, ..settings.clone() },
             source_power: source_power.value(),
             root: StreamKey::root(seed).with(configuration.digest().key()).with(PURPOSE),
         }
@@ -135,10 +138,17 @@ impl LightTracer {
         };
         let rings =
             self.settings.rings.map(|rings| RingMap { rings, cells: total.rings.cells, n_groups: total.groups });
+        let tiles = self.settings.tiles.map(|tiles| TileMap {
+            parametrisation: self.landings[0].parametrisation,
+            tiles,
+            cells: total.tiles.cells,
+            n_groups: total.groups,
+        });
         LightRun {
             ledger,
             maps,
             rings,
+            tiles,
             orders: total.orders.cells,
             depth,
             reached: total.reached,
@@ -149,7 +159,8 @@ impl LightTracer {
 
     fn tally(&self) -> Tally {
         let n_rings = self.settings.rings.map_or(0, |rings| rings.count);
-        Tally::new(self.room.n_maps(), self.settings.depth, n_rings, self.room.n_optics())
+        let n_tiles = self.settings.tiles.map_or(0, TexelGrid::n_texels);
+        Tally::new(self.room.n_maps(), self.settings.depth, [n_rings, n_tiles], self.room.n_optics())
     }
 
     fn batch(&self, batch: u64, groups: u64, n_groups: u64) -> Tally {

@@ -1,15 +1,19 @@
 //! Textured sources: closed forms against strips, sums against the whole, and the spread of what their samples bring.
 
+use std::f64::consts::PI;
+
 use glam::DVec3;
 use proptest::prelude::*;
 
 use super::body::Body;
+use super::quadrature::rule::{self, Demand, Ends};
 use super::quadrature::{self, Grain};
 use super::textured;
 use super::variance::Contribution;
 use super::{ExitancePolynomial, Method, Oracle, Truth};
 use crate::configuration::{Arrangement, Configuration, MeasurementPoint, Source};
 use crate::geometry::{Disk, MapTriangle, Parametrisation, Polygon, Rectangle, Shape, Sphere, TexelGrid};
+use crate::number::gauss_10;
 use crate::texture::{Lookup, OnRectangle, Raster, Texels, Texture};
 
 fn point(x: f64, y: f64) -> MeasurementPoint {
@@ -83,11 +87,73 @@ fn sums_over_texels_agree_with_strips() {
     }
 }
 
+/// A third route for globes: texel by texel over the surface itself, along its latitudes.
+#[test]
+fn a_globe_is_the_sum_over_its_surface() {
+    let globe = Sphere::new(DVec3::new(0.1, 0.2, 2.0), 0.6).unwrap();
+    let (north, equator) = (DVec3::new(0.1, 0.7, 0.4), DVec3::new(0.3, 0.2, -1.0));
+    for (ns, nt) in [(3, 2), (5, 4)] {
+        let map = Parametrisation::sphere(&globe, north, equator).unwrap();
+        let texture = Texture::Texels(Texels::new(map, raster(ns, nt), Lookup::Nearest));
+        for p in [point(0.3, -0.2), point(-0.9, 0.4)] {
+            let truth = Oracle::new(&room(&Shape::Sphere(globe), texture.clone(), vec![], vec![p])).at(&p);
+            let radius = globe.radius();
+            let to_eye = p.position() - globe.center();
+            let brought = |s: f64, t: f64| {
+                let at = map.to_surface([s, t]);
+                let way = at - p.position();
+                let normal = (at - globe.center()) / radius;
+                let cosines = p.normal().dot(way).max(0.0) * (-normal.dot(way)).max(0.0);
+                let area = radius * radius * 2.0 * PI * PI * (PI * t).sin();
+                area * texture.at(at) * cosines / (PI * way.length_squared().powi(2))
+            };
+            // Between the borders of texels and the ends of the part of a latitude that faces the eye.
+            let along = |t: f64| {
+                let faces = |s: f64| (map.to_surface([s, t]) - globe.center()).dot(to_eye) / radius - radius;
+                let [first, quarter, half] = [0.0, 0.25, 0.5].map(faces);
+                let middle = 0.5 * (first + half);
+                let (x, y) = (0.5 * (first - half), quarter - middle);
+                let mut ends: Vec<f64> = (0..=ns).map(|i| i as f64 / ns as f64).collect();
+                let cosine = -middle / x.hypot(y);
+                if cosine.abs() < 1.0 {
+                    let turns = [-1.0, 1.0].map(|sign| (y.atan2(x) + sign * cosine.acos()) / (2.0 * PI));
+                    ends.extend(turns.map(|s| s.rem_euclid(1.0)));
+                }
+                ends.sort_by(f64::total_cmp);
+                let parts = ends.windows(2).map(|end| (0.5 * (end[0] + end[1]), 0.5 * (end[1] - end[0])));
+                let quarters = |(middle, half): (f64, f64)| {
+                    let part = |k: f64| gauss_10(middle + 0.25 * k * half, 0.25 * half, |s| brought(s, t));
+                    [-3.0, -1.0, 1.0, 3.0].map(part).iter().sum::<f64>()
+                };
+                parts.map(quarters).sum::<f64>()
+            };
+            // Rows of texels, and where the horizon touches a latitude.
+            let pole = (map.to_surface([0.0, 1.0]) - globe.center()).normalize();
+            let from_south = PI - pole.angle_between(to_eye);
+            let cap = (radius / to_eye.length()).acos();
+            let mut rows: Vec<f64> = (0..=nt).map(|j| j as f64 / nt as f64).collect();
+            rows.extend([from_south - cap, from_south + cap].map(|angle| (angle / PI).clamp(0.0, 1.0)));
+            // A pole within sight: the horizon's turn there.
+            rows.extend([-from_south + cap, 2.0 * PI - from_south - cap].map(|angle| (angle / PI).clamp(0.0, 1.0)));
+            rows.sort_by(f64::total_cmp);
+            let demand = |sum: &[f64; 1]| Demand { goal: [1e-13 * sum[0]], floor: |value| [1e-16 * value[0]] };
+            let sum = rule::integrate(&rows, Ends::Roots, 1e-9, 20_000, |t| [along(t)], demand).value[0];
+            let found = truth.irradiance.watts_per_square_metre();
+            assert!((sum / found - 1.0).abs() < 1e-10, "{ns} × {nt}: {sum}, not {found}: {truth:?}");
+        }
+    }
+}
+
 /// A third route, which knows nothing of borders: it searches for jumps, and takes long.
 #[test]
 fn known_seams_agree_with_searched_ones() {
     for (shape, map) in canvases().into_iter().skip(4) {
         for lookup in [Lookup::Nearest, Lookup::Bilinear] {
+            // Texels of a globe end in points at its poles, which the search steps over (it was off by 3e-7):
+            // `a_globe_is_the_sum_over_its_surface` has them.
+            if lookup == Lookup::Nearest && matches!(shape, Shape::Sphere(_)) {
+                continue;
+            }
             let texture = Texture::Texels(Texels::new(map, raster(3, 2), lookup));
             let p = point(0.3, -0.2);
             let room = room(&shape, texture.clone(), occluders(), vec![p]);

@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 use super::ReportError;
 
 /// What plots are called after their case: the endings of the files below `plots/`.
-pub(super) const PLOT_KINDS: [&str; 7] = ["variance", "bias", "profile", "map", "correlation", "caustic", "energy"];
+pub(super) const PLOT_KINDS: [&str; 8] =
+    ["variance", "bias", "profile", "map", "correlation", "caustic", "energy", "texels"];
 const PLOT_FORMATS: [&str; 2] = ["svg", "png"];
 pub(super) const PLOTS: &str = "plots";
 
@@ -15,12 +16,13 @@ pub(super) const PLOTS: &str = "plots";
 const PARTIAL: &str = "partial";
 
 /// Files that lie directly in the folder.
-pub(super) const FILES: [&str; 8] = [
+pub(super) const FILES: [&str; 9] = [
     "convergence.csv",
     "rates.csv",
     "correlation.csv",
     "energy.csv",
     "caustic.csv",
+    "texels.csv",
     "verdicts.csv",
     "timings.csv",
     "manifest.json",

@@ -16,8 +16,8 @@ use crate::sampling::Strategy;
 use crate::statistics::Verdict;
 use crate::statistics::interval::{Interval, Z_95};
 use crate::trial::{
-    CaseOutcome, CausticBin, Cell, Correlation, JudgedProperty, LightOutcome, LightRow, Measured, Rate, RatePoint,
-    RunOutcome, StrategyOutcome, Timing,
+    CaseOutcome, CausticBin, Cell, Correlation, JudgedProperty, LightOutcome, LightRow, MapRow, Measured, Rate,
+    RatePoint, RunOutcome, StrategyOutcome, Timing,
 };
 
 const SAMPLES: [u64; 6] = [1, 4, 16, 64, 256, 1024];
@@ -277,6 +277,7 @@ fn light() -> LightOutcome {
         order: 2,
         bin: 0,
         radii: Some([0.0, 0.5]),
+        tile: None,
         area: 0.25 * PI,
         measured: 0.5,
         std_error: Some(0.01),
@@ -285,8 +286,19 @@ fn light() -> LightOutcome {
         verdict: Verdict::Pass,
         found: Moments::default(),
     };
+    let texel = |size: f64| MapRow {
+        rays: 1000,
+        size,
+        places: 64,
+        irradiance: 1.0,
+        bias: 0.011 * size * size,
+        exact_bias: 0.01 * size * size,
+        variance: 1.1e-5 / (size * size),
+        predicted_variance: 1e-5 / (size * size),
+    };
+    let texels = [0.01, 0.03, 0.05].map(texel).to_vec();
     let timing = Timing { stage: "light", rays: 1000, seconds: 1e-3, efficiency: None };
-    LightOutcome { rows: vec![row], bins: vec![bin], verdicts: Vec::new(), timing }
+    LightOutcome { rows: vec![row], bins: vec![bin], texels, verdicts: Vec::new(), timing }
 }
 
 /// Three cases: a line, a grid, and scattered points.

@@ -88,6 +88,7 @@ fn csv_files(outcome: &RunOutcome) -> Result<Vec<(&'static str, Vec<u8>)>, Repor
         filled(tables::correlation(), tables::correlation_rows(outcome))?,
         filled(light::energy(), light::energy_rows(outcome))?,
         filled(light::caustic(), light::caustic_rows(outcome))?,
+        filled(light::texels(), light::texel_rows(outcome))?,
         filled(tables::verdicts(), tables::verdict_rows(outcome))?,
         filled(tables::timings(), tables::timing_rows(outcome))?,
     ])
@@ -112,6 +113,7 @@ the tables.)*
         tables::correlation().described(),
         light::energy().described(),
         light::caustic().described(),
+        light::texels().described(),
         tables::verdicts().described(),
         tables::timings().described(),
         exact::exact().described(),

@@ -34,7 +34,7 @@ pub enum Lookup {
 /// let map = Parametrisation::sphere(&globe, DVec3::Z, DVec3::X)?;
 /// let board = Raster::checker(TexelGrid::new(8, 4)?, 2.0, 0.0)?;
 /// let nearest = Texels::new(map, board.clone(), Lookup::Nearest);
-/// assert_eq!(nearest.at(DVec3::new(0.9, 0.1, -0.9)), 2.0);
+/// assert_eq!(nearest.at(DVec3::new(0.5, 0.1, -0.9)), 2.0);
 /// // Half of the sphere shines, however it is read.
 /// let blended = Texels::new(map, board, Lookup::Bilinear);
 /// assert!((nearest.integral() / globe.area() - 1.0).abs() < 1e-14);

@@ -9,11 +9,13 @@
 
 use std::time::Instant;
 
+use super::map_error;
 use super::outcome::{CausticBin, JudgedProperty, LightOutcome, LightRow, Timing};
 use crate::case::{Case, SmallestBias};
 use crate::configuration::Configuration;
+use crate::geometry::TexelGrid;
 use crate::light::{Light, LightRun, LightSettings, Moments, trace};
-use crate::oracle::optics::{CausticLayout, power_by_flat_mirror};
+use crate::oracle::optics::{Bounded, CausticLayout, CupLayout, deposited_power, power_by_flat_mirror};
 use crate::statistics::evidence::{THRESHOLD_LOG10, ln_average, log10_capped, smallest_shift};
 use crate::statistics::interval::Z_95;
 use crate::statistics::{Capital, Observed, Statement, Verdict};
@@ -39,29 +41,39 @@ pub(super) fn light(
         return None;
     }
     let layout = CausticLayout::of(room);
+    let due = deposited_power(room, case.light.depth);
     let most = if quick { (case.light.rays / 16).max(1) } else { case.light.rays };
     let start = Instant::now();
     let mut rows = Vec::new();
     let mut last = None;
+    let mut texels = Vec::new();
+    let grid = TexelGrid::new(case.light.map[0], case.light.map[1]).ok();
+    let squares = match (&layout, grid) {
+        (Some(layout), Some(grid)) => map_error::squares(room, layout, grid),
+        _ => Vec::new(),
+    };
     for rays in [most.div_ceil(16), most.div_ceil(4), most] {
         let settings = LightSettings { rays, ..case.light.clone() };
         let run = trace(room, &settings, seed);
-        rows.push(row(&run));
+        rows.push(row(&run, due));
+        texels.extend(map_error::rows(&run, &squares));
         last = Some(run);
     }
     let run = last?;
     let seconds = start.elapsed().as_secs_f64();
     let mut bins = layout.as_ref().map_or_else(Vec::new, |layout| bins(&run, layout));
     bins.extend(by_flat_mirror(&run, room));
-    let mut verdicts = vec![energy(&rows, reproduce)];
+    bins.extend(tiles(&run, room));
+    let due = due.map(|due| deposit_claim(&run, due));
+    let mut verdicts = vec![energy(&rows, due.as_ref(), reproduce)];
     verdicts.extend(caustic(&run, &bins, smallest, reproduce));
     let rays = rows.iter().map(|row| row.rays).sum();
     let timing = Timing { stage: "light", rays, seconds, efficiency: None };
-    Some(LightOutcome { rows, bins, verdicts, timing })
+    Some(LightOutcome { rows, bins, texels, verdicts, timing })
 }
 
 /// The books of one run.
-fn row(run: &LightRun) -> LightRow {
+fn row(run: &LightRun, due: Option<Bounded>) -> LightRow {
     let map_integral = run.maps.iter().map(|map| map.total(Light::Both)).sum::<f64>();
     let ledger = &run.ledger;
     let off = |a: f64, b: f64| (a - b).abs() <= ROUNDING * ledger.source_power.abs();
@@ -80,7 +92,7 @@ fn row(run: &LightRun) -> LightRow {
         terminated: ledger.terminated,
         residual: ledger.residual(),
         map_integral,
-        exact_deposited: None,
+        exact_deposited: due.map(|due| due.value),
         verdict,
     }
 }
@@ -103,6 +115,7 @@ fn bins(run: &LightRun, layout: &CausticLayout) -> Vec<CausticBin> {
                 order,
                 bin: ring,
                 radii: Some([from, to]),
+                tile: None,
                 area: rings.area(ring),
                 measured: found.watts(),
                 std_error: found.std_error(n_groups),
@@ -127,6 +140,7 @@ fn by_flat_mirror(run: &LightRun, room: &Configuration) -> Option<CausticBin> {
         order: 1,
         bin: 0,
         radii: None,
+        tile: None,
         area: map.grid().texels().map(|texel| map.area(texel)).sum(),
         measured: found.watts(),
         std_error: found.std_error(run.ledger.groups),
@@ -137,6 +151,33 @@ fn by_flat_mirror(run: &LightRun, room: &Configuration) -> Option<CausticBin> {
     };
     bin.verdict = judge(run, &bin, 1);
     Some(bin)
+}
+
+/// The tiles of a cup's floor that lie within its wall.
+fn tiles(run: &LightRun, room: &Configuration) -> Vec<CausticBin> {
+    let (Some(map), Some(layout)) = (&run.tiles, CupLayout::of(room)) else { return Vec::new() };
+    let bin = |tile| {
+        let [s, t] = map.tiles.extent(tile);
+        let exact = layout.power_in_part(s, t)?;
+        let found = map.moments(CupLayout::ORDER, tile);
+        Some(CausticBin {
+            order: CupLayout::ORDER,
+            bin: map.tiles.index(tile),
+            radii: None,
+            tile: Some([tile.i, tile.j]),
+            area: map.area(tile),
+            measured: found.watts(),
+            std_error: found.std_error(map.n_groups()),
+            exact: exact.value,
+            bound: exact.bound,
+            verdict: Verdict::Undecided,
+            found,
+        })
+    };
+    let mut bins: Vec<CausticBin> = map.tiles.texels().filter_map(bin).collect();
+    let judged: Vec<Verdict> = bins.iter().map(|bin| judge(run, bin, bins.len())).collect();
+    bins.iter_mut().zip(judged).for_each(|(bin, verdict)| bin.verdict = verdict);
+    bins
 }
 
 /// The flux that each group carries, and how many there are.
@@ -187,11 +228,33 @@ fn judge(run: &LightRun, bin: &CausticBin, components: usize) -> Verdict {
     }
 }
 
-fn energy(rows: &[LightRow], reproduce: &str) -> JudgedProperty {
+/// That as much was deposited as is due.
+fn deposit_claim(run: &LightRun, due: Bounded) -> Claim {
+    let mut found = Moments::default();
+    found.flux += run.ledger.deposited;
+    // No group leaves more than it carried: its square is at most that times what it left.
+    found.squares = groups(run).0 * run.ledger.deposited;
+    Claim::new(run, &found, due.value, due.bound)
+}
+
+/// - `due`: what should have been deposited, where that is known
+fn energy(rows: &[LightRow], due: Option<&Claim>, reproduce: &str) -> JudgedProperty {
     let worst = rows.iter().map(LightRow::largest_gap).fold(0.0, f64::max);
     let balanced = rows.iter().all(|row| row.verdict == Verdict::Pass);
-    let words = if balanced {
-        format!("every watt is booked: gaps in the books of at most {worst:.1e} of what was emitted")
+    let evidence = due.map_or(0.0, |due| log10_capped(due.capital()));
+    let is_due = evidence < THRESHOLD_LOG10;
+    let words = if balanced && is_due {
+        let share = due.map_or(String::new(), |due| {
+            format!("; no deviation of the deposited share above {:.2} %", 100.0 * due.seen(1))
+        });
+        format!("every watt is booked: gaps in the books of at most {worst:.1e} of what was emitted{share}")
+    } else if let (true, Some(due)) = (balanced, due) {
+        let (effect, error) = deviation(due);
+        format!(
+            "the books balance, and are wrong: {:+.2} % ± {:.2} % of the flux that should have been deposited",
+            100.0 * effect,
+            100.0 * Z_95 * error
+        )
     } else {
         let row = rows.iter().find(|row| row.verdict != Verdict::Pass).unwrap_or(&rows[0]);
         format!(
@@ -202,13 +265,13 @@ fn energy(rows: &[LightRow], reproduce: &str) -> JudgedProperty {
     };
     JudgedProperty {
         property: "energy",
-        verdict: if balanced { Verdict::Pass } else { Verdict::Fail },
-        evidence: log10_capped(if balanced { 0.0 } else { f64::INFINITY }),
+        verdict: if balanced && is_due { Verdict::Pass } else { Verdict::Fail },
+        evidence: if balanced { evidence } else { log10_capped(f64::INFINITY) },
         threshold: THRESHOLD_LOG10,
         effect: worst,
         effect_low: worst,
         effect_high: worst,
-        smallest_bias_mean: Some(ROUNDING),
+        smallest_bias_mean: Some(due.map_or(ROUNDING, |due| due.seen(1))),
         smallest_bias_point: None,
         words,
         note: None,
@@ -256,14 +319,20 @@ fn caustic(run: &LightRun, bins: &[CausticBin], smallest: SmallestBias, reproduc
     let strongest = (0..claims.len()).max_by(|a, b| capitals[*a].total_cmp(&capitals[*b]))?;
     let shown = if verdict == Verdict::Fail { strongest } else { bins.len() };
     let (effect, error) = deviation(&claims[shown]);
-    let place = match bins.get(shown).map(|bin| (bin.radii, bin.order)) {
-        Some((Some([from, to]), order)) => format!("in the ring from {from:.3} m to {to:.3} m, order {order}"),
-        Some((None, order)) => format!("on the receiver, order {order}"),
-        None => format!("over all rings, order {}", orders[shown - bins.len()]),
+    let place = match bins.get(shown).map(|bin| (bin.radii, bin.tile, bin.order)) {
+        Some((_, Some([i, j]), order)) => format!("in tile ({i}, {j}), order {order}"),
+        Some((Some([from, to]), _, order)) => format!("in the ring from {from:.3} m to {to:.3} m, order {order}"),
+        Some((None, _, order)) => format!("on the receiver, order {order}"),
+        None => format!("over all of them, order {}", orders[shown - bins.len()]),
     };
     let percent = |x: f64| format!("{:.2} %", 100.0 * x);
-    let whole = if bins.iter().any(|bin| bin.radii.is_some()) { "over all rings" } else { "on the receiver" };
-    let bar = worst.map_or(String::new(), |worst| format!(", {} in the worst bright ring", percent(worst)));
+    let (whole, part) = match bins.first().map(|bin| (bin.radii, bin.tile)) {
+        Some((Some(_), _)) => ("over all rings", "ring"),
+        Some((_, Some(_))) => ("over all tiles", "tile"),
+        _ => ("on the receiver", "part"),
+    };
+    let bar = worst.filter(|_| bins.len() > 1);
+    let bar = bar.map_or(String::new(), |worst| format!(", {} in the worst bright {part}", percent(worst)));
     let words = match verdict {
         Verdict::Fail => {
             format!("{:+.2} % ± {:.2} % of the flux that is due {place}", 100.0 * effect, 100.0 * Z_95 * error)
@@ -364,13 +433,32 @@ mod tests {
     }
 
     #[test]
+    fn books_that_balance_and_are_wrong_fail() {
+        for name in ["caustic/glass-ball", "caustic/plano-convex", "caustic/slab", "caustic/spherical-mirror"] {
+            let case = shipped_caustics().find(|case| case.name() == name).unwrap().read().unwrap();
+            let (run, _) = followed(name);
+            let due = deposited_power(&case.configuration, case.light.depth).expect("known");
+            let sound = row(&run, Some(due));
+            let judged = energy(std::slice::from_ref(&sound), Some(&deposit_claim(&run, due)), "");
+            assert_eq!(judged.verdict, Verdict::Pass, "{name}: {}", judged.words);
+            // Two per cent booked as deposited that went elsewhere.
+            let mut wrong = run.clone();
+            let moved = 0.02 * wrong.ledger.deposited;
+            wrong.ledger.deposited -= moved;
+            wrong.ledger.escaped += moved;
+            let judged = energy(std::slice::from_ref(&sound), Some(&deposit_claim(&wrong, due)), "");
+            assert_eq!(judged.verdict, Verdict::Fail, "{name}: {}", judged.words);
+        }
+    }
+
+    #[test]
     fn books_that_do_not_balance_fail() {
         let (run, _) = followed("caustic/glass-ball");
-        let sound = row(&run);
-        assert_eq!(energy(std::slice::from_ref(&sound), "").verdict, Verdict::Pass);
+        let sound = row(&run, None);
+        assert_eq!(energy(std::slice::from_ref(&sound), None, "").verdict, Verdict::Pass);
         let mut short = run.clone();
         short.ledger.escaped -= 1e-9 * short.ledger.emitted;
-        let judged = energy(&[sound, row(&short)], "");
+        let judged = energy(&[sound, row(&short, None)], None, "");
         assert_eq!(judged.verdict, Verdict::Fail);
         assert!(judged.words.contains("unaccounted"), "{}", judged.words);
     }

@@ -11,6 +11,7 @@ mod guest;
 mod judge;
 mod lean;
 mod light;
+mod map_error;
 mod measure;
 mod outcome;
 mod plan;
@@ -31,8 +32,8 @@ pub use guest::{
 };
 pub use lean::Leaning;
 pub use outcome::{
-    CaseOutcome, CausticBin, Cell, Correlation, JudgedProperty, LightOutcome, LightRow, Measured, Rate, RatePoint,
-    RunOutcome, StrategyOutcome, Timing,
+    CaseOutcome, CausticBin, Cell, Correlation, JudgedProperty, LightOutcome, LightRow, MapRow, Measured, Rate,
+    RatePoint, RunOutcome, StrategyOutcome, Timing,
 };
 pub use repeat::Repeated;
 pub use run::{Maker, Progress, TrialError, run, run_with};

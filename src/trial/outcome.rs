@@ -52,6 +52,8 @@ pub struct LightOutcome {
     pub rows: Vec<LightRow>,
     /// Rings of the largest budget that an exact value is known of, by order and then outwards.
     pub bins: Vec<CausticBin>,
+    /// What the receiver's map is off by, for each budget of rays and size of texels; empty where it is not known.
+    pub texels: Vec<MapRow>,
     pub verdicts: Vec<JudgedProperty>,
     pub timing: Timing,
 }
@@ -87,7 +89,27 @@ impl LightRow {
     }
 }
 
-/// One ring around the axis of a caustic, and what light of one order brought to it.
+/// Squares of texels of one size, and what they are off by.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MapRow {
+    pub rays: u64,
+    /// Root of a square's area, metres.
+    pub size: f64,
+    /// Squares.
+    pub places: usize,
+    /// Exact, at their middles, on average, W/m².
+    pub irradiance: f64,
+    /// Root mean square of what squares are off their middles' exact irradiance, less the predicted noise, W/m².
+    pub bias: f64,
+    /// The same by exact values alone, W/m².
+    pub exact_bias: f64,
+    /// Mean square of what squares are off their own exact means, W²/m⁴.
+    pub variance: f64,
+    /// The same as the counts of rays predict it, W²/m⁴.
+    pub predicted_variance: f64,
+}
+
+/// One ring around the axis of a caustic, one tile of the receiver, or all of it, and what light of one order brought to it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CausticBin {
     /// Interactions on the way.
@@ -95,6 +117,8 @@ pub struct CausticBin {
     pub bin: usize,
     /// Inner and outer, metres; `None` for the whole receiver.
     pub radii: Option<[f64; 2]>,
+    /// Which tile of the receiver, along s and t; `None` for rings and for the whole receiver.
+    pub tile: Option<[usize; 2]>,
     /// Square metres.
     pub area: f64,
     /// W.

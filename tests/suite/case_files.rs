@@ -600,7 +600,7 @@ fn lamps_and_optics_are_read() {
     assert!(room.points().is_empty(), "a map is measurement enough");
     let rings = Some(Rings { center: DVec3::ZERO, radius: 1.5, count: 3 });
     let (aim, split) = (Aim::Nowhere, Split::Both);
-    assert_eq!(case.light, LightSettings { rays: 1000, map: [32, 16], depth: 5, aim, split, rings });
+    assert_eq!(case.light, LightSettings { rays: 1000, map: [32, 16], depth: 5, aim, split, rings, tiles: None });
     let plain = Case::from_toml("plain", SOUND).unwrap();
     assert_eq!(plain.light, LightSettings::default());
 }

@@ -118,8 +118,9 @@ fn aim_and_split_move_no_light() {
         let bent = |run: &LightRun| -> f64 {
             (1..=run.depth()).map(|order| run.deposited(0, order).variance(run.ledger.groups).unwrap()).sum()
         };
-        let gain = bent(&runs[0]) / bent(&runs[1]);
-        assert!(gain > 0.7, "{}: variance falls by {gain}", case.name);
+        // Where all light is bent, once and for all of it, nothing varies.
+        let [plain, aimed] = [bent(&runs[0]), bent(&runs[1])];
+        assert!(plain >= 0.7 * aimed, "{}: the variance was {plain}, and is {aimed}", case.name);
     }
 }
 

@@ -206,6 +206,13 @@ impl Caustic {
         radii
     }
 
+    /// Radii where the irradiance jumps or has no bound, metres: ring caustics, and the images of the axis and of the last ray.
+    pub fn edges(&self) -> Vec<f64> {
+        let mut radii: Vec<f64> = self.knots.iter().map(|knot| knot.landing.narrow().abs()).collect();
+        radii.sort_by(f64::total_cmp);
+        radii
+    }
+
     /// Whether light of rays away from the axis meets on it, so that the irradiance has no bound there.
     pub fn is_focused(&self) -> bool {
         let is_flat = with_fan!(&self.optic, fan => {

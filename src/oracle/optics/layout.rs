@@ -24,6 +24,7 @@ pub struct CausticLayout {
     /// W/m² of the beam, W/sr of the point source, times what mirrors send back.
     scale: f64,
     orders: Vec<(usize, Caustic)>,
+    screen: Screen,
 }
 
 /// Directions are the same, and places lie on a line, to this many metres in one.
@@ -56,7 +57,7 @@ impl CausticLayout {
             Lamp::Point(lamp) => lamp.position(),
         };
         let foot = axis_from - receiver.normal * (axis_from - receiver.center).dot(receiver.normal);
-        Some(CausticLayout { foot, room: receiver.room_around(foot), scale, orders })
+        Some(CausticLayout { foot, room: receiver.room_around(foot), scale, orders, screen: receiver })
     }
 
     /// Where the axis meets the receiver, metres.
@@ -80,17 +81,79 @@ impl CausticLayout {
         let inside = to <= self.room * (1.0 + ALIGNED);
         Some(caustic.power_in_ring(from, to).ok().filter(|_| inside)?.scaled(self.scale))
     }
+
+    /// All power that lands on the receiver's plane, W; `None` for an order that is not known.
+    pub fn power_on_plane(&self, order: usize) -> Option<Bounded> {
+        let (_, caustic) = self.orders.iter().find(|(known, _)| *known == order)?;
+        Some(caustic.total().scaled(self.scale))
+    }
+
+    /// All power that lands on the receiver, W; `None` for an order that is not known, and for a disk that does not lie around
+    /// the axis.
+    pub fn power_on_receiver(&self, order: usize) -> Option<Bounded> {
+        let (_, caustic) = self.orders.iter().find(|(known, _)| *known == order)?;
+        let found = match &self.screen.shape {
+            ReceiverShape::Disk(disk) => {
+                let is_centered = (disk.center() - self.foot).length() <= ALIGNED * disk.radius();
+                caustic.power_in_ring(0.0, disk.radius()).ok().filter(|_| is_centered)
+            }
+            ReceiverShape::Rectangle(s) => {
+                let side = |edge: DVec3| {
+                    let (middle, half) = ((s.center() - self.foot).dot(edge.normalize()), 0.5 * edge.length());
+                    [middle - half, middle + half]
+                };
+                caustic.power_in_rectangle(side(s.edge_u()), side(s.edge_v())).ok()
+            }
+            _ => None,
+        };
+        Some(found?.scaled(self.scale))
+    }
+
+    /// Irradiance in the middle of a part of a rectangle, and its mean over the part, W/m², with the part's area, m².
+    ///
+    /// - `s`, `t`: shares of the edges `edge_u` and `edge_v`, ascending
+    /// - `None` where an edge of the light, a caustic or the axis comes nearer to the part than it is wide
+    pub fn irradiance_of_part(&self, order: usize, s: [f64; 2], t: [f64; 2]) -> Option<(f64, f64, f64)> {
+        let (_, caustic) = self.orders.iter().find(|(known, _)| *known == order)?;
+        let ReceiverShape::Rectangle(receiver) = &self.screen.shape else { return None };
+        let extent = |edge: DVec3, [from, to]: [f64; 2]| {
+            let middle = (receiver.center() - self.foot).dot(edge.normalize());
+            [from, to].map(|share| middle + (share - 0.5) * edge.length())
+        };
+        let (x, y) = (extent(receiver.edge_u(), s), extent(receiver.edge_v(), t));
+        let radius = (0.5 * (x[0] + x[1])).hypot(0.5 * (y[0] + y[1]));
+        let across = (x[1] - x[0]).hypot(y[1] - y[0]);
+        if caustic.edges().iter().any(|edge| (edge - radius).abs() <= across) {
+            return None;
+        }
+        let middle = caustic.at(radius).ok()?.value()?;
+        let area = (x[1] - x[0]) * (y[1] - y[0]);
+        let mean = caustic.power_in_rectangle(x, y).ok()?.value / area;
+        (middle > 0.0).then_some((middle * self.scale, mean * self.scale, area))
+    }
+
+    /// What lands within a radius of the foot after so many double reflections in the slab, all of them together, W; `None`
+    /// where there is no slab.
+    pub(super) fn through_slab(&self, glass: &Glass, lamp: DVec3, echoes: u32, radius: f64) -> Option<Bounded> {
+        let mut sum = Bounded::default();
+        for (_, caustic) in slab_orders(lamp, glass, &self.screen, echoes)? {
+            let ring = caustic.power_in_ring(0.0, radius).ok()?.scaled(self.scale);
+            sum = Bounded { value: sum.value + ring.value, bound: sum.bound + ring.bound };
+        }
+        Some(sum)
+    }
 }
 
 /// A flat receiver.
-struct Screen {
+#[derive(Clone, Debug)]
+pub(super) struct Screen {
     center: DVec3,
     normal: DVec3,
     shape: ReceiverShape,
 }
 
 impl Screen {
-    fn of(shape: &ReceiverShape) -> Option<Screen> {
+    pub(super) fn of(shape: &ReceiverShape) -> Option<Screen> {
         let (center, normal) = match shape {
             ReceiverShape::Rectangle(s) => (s.center(), s.normal()),
             ReceiverShape::Disk(s) => (s.center(), s.normal()),
@@ -99,8 +162,12 @@ impl Screen {
         Some(Screen { center, normal, shape: *shape })
     }
 
+    pub(super) fn center(&self) -> DVec3 {
+        self.center
+    }
+
     /// Height over the receiver's plane, on the side that receives.
-    fn height(&self, place: DVec3) -> f64 {
+    pub(super) fn height(&self, place: DVec3) -> f64 {
         (place - self.center).dot(self.normal)
     }
 
@@ -203,7 +270,14 @@ fn through_slab(lamp: DVec3, glass: &Glass, receiver: &Screen) -> Option<Vec<(us
     if !(fits && covers) {
         return None;
     }
-    (0..=ECHOES)
+    slab_orders(lamp, glass, receiver, ECHOES)
+}
+
+/// Up to a number of double reflections.
+fn slab_orders(lamp: DVec3, glass: &Glass, receiver: &Screen, echoes: u32) -> Option<Vec<(usize, Caustic)>> {
+    let GlassShape::Slab(slab) = glass.shape() else { return None };
+    let top = receiver.height(lamp);
+    (0..=echoes)
         .map(|echoes| {
             let air = top - slab.thickness();
             let caustic =
@@ -211,6 +285,15 @@ fn through_slab(lamp: DVec3, glass: &Glass, receiver: &Screen) -> Option<Vec<(us
             Some((2 + 2 * echoes as usize, caustic.ok()?))
         })
         .collect()
+}
+
+/// The receiver as a patch, if it is flat.
+pub(super) fn patch(room: &Configuration) -> Option<Patch> {
+    match room.receiver()?.shape() {
+        ReceiverShape::Rectangle(s) => Some(Patch::Rectangle(*s)),
+        ReceiverShape::Disk(s) => Some(Patch::Disk(*s)),
+        ReceiverShape::Triangle(_) | ReceiverShape::Sphere(_) => None,
+    }
 }
 
 /// What area sources send to the receiver by way of one flat mirror, exactly: W. `None` for any other room.
@@ -224,11 +307,7 @@ pub fn power_by_flat_mirror(room: &Configuration) -> Option<Bounded> {
         MirrorShape::Disk(s) => Shape::Disk(*s),
         _ => return None,
     };
-    let patch = match room.receiver()?.shape() {
-        ReceiverShape::Rectangle(s) => Patch::Rectangle(*s),
-        ReceiverShape::Disk(s) => Patch::Disk(*s),
-        ReceiverShape::Triangle(_) | ReceiverShape::Sphere(_) => return None,
-    };
+    let patch = patch(room)?;
     if !room.diffuse().is_empty() {
         return None;
     }

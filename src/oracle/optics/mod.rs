@@ -24,7 +24,9 @@
 
 mod ball;
 mod caustic;
+mod cup;
 mod cylinder;
+mod deposit;
 mod disks;
 mod exchange;
 pub mod faces;
@@ -32,6 +34,7 @@ mod fan;
 mod lampshade;
 mod layout;
 mod lens;
+mod meridian;
 mod mirror;
 mod nodes;
 mod paraboloid;
@@ -49,7 +52,9 @@ use crate::geometry::ShapeError;
 use crate::radiometry::RadiometryError;
 
 pub use caustic::{Arrival, Caustic};
+pub use cup::CupLayout;
 pub use cylinder::CylinderMirror;
+pub use deposit::deposited_power;
 pub use disks::CoaxialDisks;
 pub use exchange::Which;
 pub use faces::{Loss, Polarised};

@@ -14,6 +14,7 @@ mod panel;
 mod picture;
 mod profile;
 mod style;
+mod texels;
 mod text;
 mod variance;
 
@@ -41,7 +42,7 @@ pub(super) fn write_all(dir: &Path, outcome: &RunOutcome) -> Result<Vec<PathBuf>
 }
 
 fn write_case(dir: &Path, stem: &str, case: &CaseOutcome) -> Result<Vec<PathBuf>, ReportError> {
-    let draw: [fn(&CaseOutcome) -> Option<ink::Page>; 7] = [
+    let draw: [fn(&CaseOutcome) -> Option<ink::Page>; 8] = [
         variance::variance,
         bias::bias,
         profile::profile,
@@ -49,6 +50,7 @@ fn write_case(dir: &Path, stem: &str, case: &CaseOutcome) -> Result<Vec<PathBuf>
         correlation::correlation,
         caustic::caustic,
         energy::energy,
+        texels::texels,
     ];
     let mut written = Vec::new();
     for (draw, kind) in draw.into_iter().zip(PLOT_KINDS) {
