@@ -175,11 +175,50 @@ borders on disks and spheres, and where values are interpolated. Variances are p
 Derivatives (`exact --derivative`) are left empty where a textured source is seen.
 ";
 
-const TOPICS: [(&str, &str, &str); 10] = [
+const JUDGE: &str = "\
+judge: a sampler, an estimator or a program of yours, held against the exact irradiance.
+
+  in a Rust test   judge(&Case::shipped(\"penumbra/eclipse\")?).points(\"mine\", &sampler).assert_passes()
+                   .points: a set of points in the unit square; .estimator: a whole estimator; closures will do
+  any language     etendue judge CASE -- PROGRAM...
+  a file           etendue verify CASE estimates.csv        etendue run CASE --points points.txt
+
+A program reads, until its input ends,   point,x_m,y_m,z_m,nx,ny,nz,samples,replicate,seed   (a header, then a line each)
+and writes, in the same order,           point,replicate,samples,value                       (W/m2; a header or none)
+
+  point      counted from 0; x, y, z in metres; n the unit normal: the irradiance that comes straight from the sources
+  samples    how many to take; what a sample is is the program's affair
+  seed       of this one estimate, below 2^53: all randomness comes from it, so that estimates are independent of one
+             another and the pilot's of what is judged
+  answers    line by line or all at the end; any number format that has a point (0.125, 1.25e-1)
+
+The program is told the points and no more of the room: it has its own description of it (etendue check and the case
+file say what stands where). It is started twice, for a pilot and for what is judged.
+
+What the verdict leans on. The variance of an etendue strategy is predicted; of a stranger's estimates it is not. So either
+  pilot      (the default) replicates that are not judged tell it, two standard errors high; where the pilot met too few
+             rays to tell, the larger of the variance of random points and M E / N stands in
+  random     you state that no estimate varies more than that of as many random points (--variance random); a statement
+             that is wrong makes the verdict wrong
+and the verdict says which. Of a file the first quarter of the replicates is the pilot.
+
+Points in a file (run --points FILE): one point a line, two numbers in [0, 1); an empty line between sets; as many points in
+each set. A set is one replicate, at all shading points and on all sources, and none is used twice: 32 sets at least, some
+thousands for a sharp verdict. `etendue points STRATEGY -n N --sets K` writes such a file.
+
+Exit code 2, with a message, and the answers that came before kept in --out: a program that hangs (--timeout, 60 s of
+silence), dies, answers out of order, twice, too little, too much, what was not asked, NaN or no number, or that gives the
+pilot's estimates again with other seeds.
+
+What a pass does not say: nothing beyond `etendue explain verdict`; and nothing of the variance, which is not judged.
+";
+
+const TOPICS: [(&str, &str, &str); 11] = [
     ("verdict", "pass, fail, undecided: what they promise", VERDICT),
     ("bias", "the mean estimate is the exact irradiance", BIAS),
     ("variance", "errors are as large as predicted", VARIANCE),
     ("covariance", "errors move together as predicted", COVARIANCE),
+    ("judge", "your own sampler, estimator, program or file", JUDGE),
     ("energy", "every watt that left a source is booked", ENERGY),
     ("caustic", "rings of a caustic get the flux that is due", CAUSTIC),
     ("rate", "slopes of log variance over log N", RATE),

@@ -145,7 +145,7 @@ pub struct Plan {
 
 #[derive(Args, Debug)]
 pub struct Explain {
-    /// verdict, bias, variance, covariance, rate, correlation, region, a strategy, or a shipped case; none: what there is
+    /// verdict, bias, variance, covariance, judge, rate, correlation, region, a strategy, or a shipped case; none: what there is
     #[arg(value_name = "NAME")]
     pub name: Option<String>,
 }

@@ -43,7 +43,7 @@ pub enum NotJudged {
     #[error("{case}: {name} {fault}")]
     Fault { case: String, name: String, fault: GuestFault },
     #[error(
-        "{case}: {said} {what} are too few: {least} are needed, of which the first quarter tells how they spread{otherwise}",
+        "{case}: too few {what} ({said}); at least {least} are needed, of which the first quarter tells how they spread{otherwise}",
         least = 4 * FEWEST_PILOT_REPLICATES,
         otherwise = if *bound_would_do { " (or the statement that they spread no more than `random`, `--variance random`)" } else { "" }
     )]

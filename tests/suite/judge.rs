@@ -298,7 +298,7 @@ fn questions_can_be_taken_away_and_answers_brought_back() {
     for (text, code, said) in [
         ("rubbish\n", 2, "mine.csv:1: `rubbish` is no answer"),
         ("0,0,4,0.1\n", 2, "point 1, replicate 0, samples 4 has no answer"),
-        ("0,0,4,0.1\n1,0,4,0.1\n", 2, "1 replicates are too few: 32 are needed"),
+        ("0,0,4,0.1\n1,0,4,0.1\n", 2, "too few replicates (1); at least 32 are needed"),
         ("\x00", 2, "this is no text"),
     ] {
         let file = room.file("mine.csv", text);
@@ -344,7 +344,7 @@ fn points_are_written_and_judged_as_a_strategy() {
         ("0.5\n", "faulty.txt:1: `0.5` is no point; accepted: two numbers"),
         ("0.5 1.5\n", "faulty.txt:1: (0.5, 1.5) lies outside of the unit square; accepted"),
         ("0.5 0.5\n\n0.5 0.5\n0.5 0.5\n", "faulty.txt:4: the set that ends here has 2 points, the first has 1"),
-        ("0.5 0.5\n", "1 sets are too few: 32 are needed"),
+        ("0.5 0.5\n", "too few sets (1); at least 32 are needed"),
     ] {
         let file = room.file("faulty.txt", text);
         run(&file, &[]).code(2).stdout(is_empty()).stderr(contains(said));

@@ -12,6 +12,7 @@ const ROOMS: &[(&str, u8, Wing)] = &[
     ("cli", 11, Wing::Shared),
     ("report", 10, Wing::Shared),
     ("calibration", 9, Wing::Shared),
+    ("guest", 9, Wing::Shared),
     ("trial", 8, Wing::Shared),
     ("case", 7, Wing::Shared),
     ("estimator", 6, Wing::Measurement),
