@@ -58,6 +58,7 @@
 //! | [`oracle`] | **truth**: exact irradiance with a bound on its error |
 //! | [`sampling`], [`scene`], [`estimator`] | **measurement**: streams and strategies, what blocks a ray, the estimator |
 //! | [`light`] | rays from the light: caustic maps, and the ledger of every watt |
+//! | [`external`] | other renderers: a case as a scene of theirs, their images read |
 //! | [`case`] | case files; the shipped cases |
 //! | [`trial`] | a run: pilot, plan, measurement, judgement, where truth and measurement meet |
 //! | [`guest`] | others, judged: a sampler or estimator in code, a program behind a pipe, files of estimates and points |
@@ -100,6 +101,7 @@ pub mod case;
 pub mod cli;
 pub mod configuration;
 pub mod estimator;
+pub mod external;
 pub mod geometry;
 pub mod guest;
 pub mod light;

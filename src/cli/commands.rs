@@ -278,7 +278,7 @@ fn calibrate_to_end(options: &Calibrate) -> Result<u8, u8> {
     Ok(if calibration.fails() { exit::FAILED } else { exit::PASSED })
 }
 
-fn print(text: &str) -> Result<(), u8> {
+pub(super) fn print(text: &str) -> Result<(), u8> {
     write_out(text.as_bytes())
 }
 

@@ -27,6 +27,8 @@ use super::ReportError;
 use super::folder::{PLOT_KINDS, file_stems, write_whole};
 use crate::trial::{CaseOutcome, RunOutcome};
 
+pub(super) use picture::encoded as picture_of;
+
 /// Pixels of a PNG, and units of an SVG, for each point of a page.
 const PIXELS: f64 = 2.0;
 const UNITS: f64 = 8.0;
