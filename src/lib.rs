@@ -60,6 +60,7 @@
 //! | [`light`] | rays from the light: caustic maps, and the ledger of every watt |
 //! | [`path`] | paths from the eye: light that goes to and fro between diffuse surfaces |
 //! | [`eye`] | pictures: what a camera sees, shaded by the estimators and the caustic maps |
+//! | [`external`] | other renderers: a case as a scene of theirs, their images read |
 //! | [`case`] | case files; the shipped cases |
 //! | [`trial`] | a run: pilot, plan, measurement, judgement, where truth and measurement meet |
 //! | [`guest`] | others, judged: a sampler or estimator in code, a program behind a pipe, files of estimates and points |
@@ -103,6 +104,7 @@ pub mod cli;
 pub mod configuration;
 pub mod estimator;
 pub mod eye;
+pub mod external;
 pub mod geometry;
 pub mod guest;
 pub mod light;

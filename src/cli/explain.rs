@@ -286,12 +286,55 @@ pilot's estimates again with other seeds.
 What a pass does not say: nothing beyond `etendue explain verdict`; and nothing of the variance, which is not judged.
 ";
 
-const TOPICS: [(&str, &str, &str); 15] = [
+const VERIFY: &str = "\
+verify: images of another renderer, held against the exact irradiance.
+
+  scene      etendue export CASE --for mitsuba -o DIR    scene.xml, manifest.json, render.py
+  images     python DIR/render.py 64                     64 independent images, DIR/independent.npy
+  verdict    etendue verify CASE DIR/independent.npy     report in --out: pixels.csv, regions.csv, verdict.json, junit.xml,
+                                                         z.png, difference.png
+  formats    NPY [image, row, column] (f2, f4, f8; [row, column]; a last axis of 1 or 3), PFM, OpenEXR (half, float; R G B, Y or
+             one channel; each part an image; a channel named variance). Row 0 is the top one
+  manifest   what the pixels are: the case's digest, the place of each on the receiver, rho; E = pi L / rho
+
+What is judged, each by the gate of `explain verdict`:
+  bias        a pixel has the exact mean over its footprint, not the value in its middle. In this order: the mean and the
+              regions (lit, penumbra, umbra, edge); 15 contrasts of up to three half waves across and downwards; places: squares of
+              pixels down to such as hold 48 observations (with 48 images or more, single pixels)
+  neighbours  residuals of neighbouring pixels are not correlated (beyond 0.05): else a filter or a denoiser was on
+  images      residuals of different images are not: else random streams were used twice. Also looked for: pixels that follow
+              another pixel of the image before
+
+  edge        pixels that a shadow's edge runs through, or nearer to them than the ray epsilon (--ray-epsilon), by which a renderer
+              moves the start of its shadow rays; what moving the shadow so far changes is no fault
+  umbra       no light may come: a single ray that does is a failure
+  tolerance   1e-5 at least, for single precision; half-floats are refused below 1e-3 (--tolerance)
+  exact       a hundredth of the images' standard error, or better: nine points where nothing changes, adaptive elsewhere
+
+What a verdict leans on: K images differ as they do, and that spread, pooled over neighbours of the same region and taken two
+standard errors high, stands in for the variance; where a neighbourhood met fewer than some thirty events, what independent
+samples could have. Pixels of one image count as independent of one another; where their sums vary more than that between the
+images, verdicts allow for it and say so. Of a single image, the variance that it states (a channel, or --pixel-variance); without
+one there is a picture and no verdict.
+
+A pass tells what it would have seen: `0.1 % in the mean, 6 % at the worst 2 x 2 pixels`. A failure names a likely cause only where
+the image that this cause would make fits: a factor (pi, 2, 1/rho, ...), mirrored, turned, transposed, shifted by half a
+pixel or one, a cosine lost, values at the middles, something added, clamped highlights, a leak into the umbra, half-floats.
+
+Refused, with the file and what was wrong: equal images; another size than the manifest's; NaN and infinite pixels, counted, with
+places; files that are cut off, foreign, or claim sizes that they do not have; the manifest of another case.
+
+What a pass does not say: nothing below what it would have seen, nothing of other settings than those that were rendered, and
+nothing of the spread itself.
+";
+
+const TOPICS: [(&str, &str, &str); 16] = [
     ("verdict", "pass, fail, undecided: what they promise", VERDICT),
     ("bias", "the mean estimate is the exact irradiance", BIAS),
     ("variance", "errors are as large as predicted", VARIANCE),
     ("covariance", "errors move together as predicted", COVARIANCE),
     ("judge", "your own sampler, estimator, program or file", JUDGE),
+    ("verify", "images of another renderer", VERIFY),
     ("energy", "every watt that left a source is booked", ENERGY),
     ("caustic", "rings of a caustic get the flux that is due", CAUSTIC),
     ("indirect", "paths from the eye find what mirrors, glass and walls send on", INDIRECT),

@@ -28,30 +28,36 @@ Exit codes: 0 passed, 1 failed, 2 the command line, a case or the program is wro
 twice, too little, or what is no number), 3 undecided, 4 nothing selected, 5 an output could not be written.";
 
 pub(super) const VERIFY_HELP: &str = "\
-A file holds lines  point,replicate,samples,value  in any order, after a header or none: points as `etendue exact CASE` numbers
+Images (NPY, PFM, OpenEXR) of a scene that `etendue export` wrote: K independent ones, or one with the variance of its pixels.
+Their manifest is named, or lies beside the first as manifest.json. A report goes to --out.
+
+A CSV holds lines  point,replicate,samples,value  in any order, after a header or none: points as `etendue exact CASE` numbers
 them, every replicate with a value for every point. The first quarter of the replicates tells how the estimates spread
 (unless --variance random says it), the others are judged.
 
-Exit codes: 0 passed, 1 failed, 2 the command line, a case or a file is wrong, 3 undecided, 4 nothing selected.";
+`etendue explain verify` says more.
+
+Exit codes: 0 passed, 1 failed, 2 the command line, a case or the manifest is wrong, or a CSV, 3 undecided (a single image without
+a variance too), 4 nothing selected, 5 an image cannot be read or the report not be written.";
 
 /// On what terms somebody else is judged.
 #[derive(Args, Debug)]
 pub struct Terms {
     /// What reports call the judged
     #[arg(long, value_name = "NAME")]
-    name: Option<String>,
+    pub(super) name: Option<String>,
     /// What the verdict leans on for the variance: a pilot, or the statement that it is at most that of `random`
     #[arg(long, value_name = "pilot|random", default_value = "pilot", value_parser = leaning)]
     variance: Leaning,
     /// Relative biases that a pass must have been able to see: in the mean, and at the worst point
     #[arg(long, value_name = "MEAN[,POINT]", value_parser = options::smallest_bias)]
-    smallest_bias: Option<SmallestBias>,
+    pub(super) smallest_bias: Option<SmallestBias>,
     /// Relative deviation that is no fault, such as 1e-5 for a program that works in f32
     #[arg(long, value_name = "SHARE", value_parser = tolerance)]
-    tolerance: Option<f64>,
+    pub(super) tolerance: Option<f64>,
     /// Exit with 0 when the verdict is undecided
     #[arg(long)]
-    allow_undecided: bool,
+    pub(super) allow_undecided: bool,
 }
 
 /// Options of `judge`.
@@ -92,11 +98,13 @@ pub struct VerifyOptions {
     /// A case file or the name of a shipped case
     #[arg(value_name = "CASE")]
     case: String,
-    /// CSV files of estimates; several are put together
+    /// Images, or CSV files of estimates; several are put together
     #[arg(value_name = "FILE", required = true)]
-    files: Vec<PathBuf>,
+    pub(super) files: Vec<PathBuf>,
     #[command(flatten)]
-    terms: Terms,
+    pub(super) images: super::images::ImageOptions,
+    #[command(flatten)]
+    pub(super) terms: Terms,
 }
 
 /// Options of `points`.
@@ -161,7 +169,7 @@ impl Terms {
     }
 
     /// The options among them that move a verdict.
-    fn words(&self) -> String {
+    pub(super) fn words(&self) -> String {
         let mut words = String::new();
         if let Some(name) = &self.name {
             words += &format!(" --name {}", quoted(name));
@@ -232,6 +240,9 @@ pub fn verify(options: &VerifyOptions) -> u8 {
 fn verify_to_end(options: &VerifyOptions) -> Result<u8, u8> {
     let VerifyOptions { terms, files, .. } = options;
     let case = terms.case(&options.case)?;
+    if super::images::are_images(options) {
+        return super::images::verify(options, &case);
+    }
     let settings = terms.settings(Settings::DEFAULT_SEED, None, None);
     let stem = files[0].file_stem().map_or(String::new(), |stem| stem.to_string_lossy().into_owned());
     let name = terms.name.clone().unwrap_or(format!("file:{stem}"));

@@ -3,6 +3,7 @@
 mod commands;
 mod explain;
 mod guests;
+mod images;
 mod options;
 mod progress;
 #[cfg(feature = "plots")]
@@ -42,6 +43,7 @@ pub fn main() -> ExitCode {
         Some(options::Command::Explain(explain)) => commands::explain(&explain),
         Some(options::Command::Judge(judge)) => guests::judge(&judge),
         Some(options::Command::Verify(verify)) => guests::verify(&verify),
+        Some(options::Command::Export(export)) => images::export(&export),
         Some(options::Command::Points(points)) => guests::points(&points),
         #[cfg(feature = "plots")]
         Some(options::Command::Render(render)) => render::render(&render),

@@ -54,9 +54,12 @@ pub enum Command {
     /// Judge a program in any language: points on its standard input, estimates from its standard output
     #[command(after_help = super::guests::JUDGE_HELP)]
     Judge(super::guests::JudgeOptions),
-    /// Judge a file of estimates that somebody else made
+    /// Judge images of another renderer, or a file of estimates
     #[command(after_help = super::guests::VERIFY_HELP)]
     Verify(super::guests::VerifyOptions),
+    /// Write a case as a scene of another renderer, with a manifest and a script that renders it
+    #[command(after_help = super::images::EXPORT_HELP)]
+    Export(super::images::ExportOptions),
     /// Write a strategy's points in the unit square, as `run --points` reads them
     Points(super::guests::PointsOptions),
     /// Pictures of cases: by their cameras, and of their receivers beside what is exact there

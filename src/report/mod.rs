@@ -4,7 +4,8 @@
 //! - [`write`](fn@write) fills it: CSV tables, `manifest.json`, and plots (feature `plots`);
 //! - [`write_calibration`] does the same for a calibration of the gate;
 //! - `write_pictures` and `write_lecture` write rendered pictures (feature `plots`);
-//! - [`table`] tells the verdicts on a terminal; [`write_exact`] prints exact values, [`write_limits`] shadow limits.
+//! - [`table`] tells the verdicts on a terminal; [`write_exact`] prints exact values, [`write_limits`] shadow limits;
+//! - [`write_images`] and [`images_table`] tell what came of images of other renderers; [`write_files`] writes a scene for one.
 //!
 //! The meaning of every column is in `reports/README.md`, which [`column_reference`] writes. Everything but
 //! `timings.csv` is the same from run to run, byte for byte.
@@ -19,6 +20,7 @@ mod folder;
 mod forecast;
 #[cfg(feature = "plots")]
 mod image;
+mod images;
 mod light;
 mod limits;
 mod manifest;
@@ -44,6 +46,7 @@ pub use error::ReportError;
 pub use exact::{ExactCase, write_exact};
 pub use folder::claim;
 pub use forecast::forecast_table;
+pub use images::{claim_images, images_table, write_files, write_images};
 pub use limits::{LimitsCase, write_limits};
 #[cfg(feature = "plots")]
 pub use render::{
@@ -132,6 +135,8 @@ the tables.)*
         tables::timings().described(),
         exact::exact().described(),
         limits::limits().described(),
+        images::pixels().described(),
+        images::regions().described(),
     ]
     .join("\n")
 }

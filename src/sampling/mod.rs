@@ -17,6 +17,7 @@ mod strategy;
 mod warp;
 
 pub use draws::Draws;
+pub use ears::triangulated;
 pub use hemisphere::cosine_weighted;
 pub use lanes::{LANES, Lanes, Stream};
 pub use pattern::{Pattern, Squares, fill_side_by_side};

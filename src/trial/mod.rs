@@ -8,6 +8,7 @@ mod accept;
 mod correlation;
 mod forecast;
 mod guest;
+mod images;
 mod indirect;
 mod judge;
 mod lean;
@@ -32,6 +33,9 @@ pub use forecast::{Forecast, forecast};
 pub use guest::{
     Asked, AskedCell, FEWEST_PILOT_REPLICATES, Invitation, NotJudged, Take, judge_answers, judge_given, judge_guest,
     judge_sets, questions,
+};
+pub use images::{
+    Cause, ImageTerms, ImagesOutcome, LEAST_TOLERANCE, LEAST_TOLERANCE_OF_HALVES, Part, Pixel, PixelTruth, judge_images,
 };
 pub use lean::Leaning;
 pub use lecture::{Lecture, LectureError, lecture};

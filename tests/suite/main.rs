@@ -16,11 +16,14 @@ mod first_met;
 mod gauss;
 mod guests;
 mod icosphere;
+mod images;
 mod interreflections;
 mod judge;
 mod laws;
 mod light;
 mod meshes;
+#[cfg(all(feature = "cli", unix))]
+mod mitsuba;
 mod optics;
 mod papers;
 mod published;

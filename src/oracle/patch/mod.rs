@@ -7,6 +7,7 @@
 mod adaptive;
 mod average;
 mod closed;
+mod footprint;
 mod surface;
 
 #[cfg(test)]
@@ -21,6 +22,7 @@ pub(super) use average::{Value, average_of};
 pub use closed::{
     disk_to_disk, patch_to_patch_inside_sphere, rectangle_to_adjoining_rectangle, rectangle_to_opposite_rectangle,
 };
+pub use footprint::{Footprint, footprint, footprint_average};
 pub use surface::Patch;
 
 /// Why a pair of patches was refused.

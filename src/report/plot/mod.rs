@@ -31,6 +31,8 @@ use super::folder::{PLOT_KINDS, file_stems, write_whole};
 use super::image::Rgb;
 use crate::trial::{CaseOutcome, Lecture, ReceiverPicture, RunOutcome};
 
+pub(super) use picture::encoded as picture_of;
+
 /// Pixels of a PNG, and units of an SVG, for each point of a page.
 const PIXELS: f64 = 2.0;
 const UNITS: f64 = 8.0;

@@ -1,0 +1,155 @@
+//! A case as a scene of another renderer: what it can hold, and where the camera stands.
+
+mod mitsuba;
+
+use glam::DVec3;
+use thiserror::Error;
+
+use super::manifest::{Manifest, Seeds};
+use super::pixels::PixelGrid;
+use crate::configuration::{Configuration, Lamp, ReceiverShape};
+use crate::geometry::{Rectangle, Shape};
+
+pub use mitsuba::mitsuba;
+
+/// What an export is to look like.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Order {
+    /// Columns and rows; else 32 along the longer edge, square ones.
+    pub pixels: Option<[usize; 2]>,
+    pub samples_per_pixel: u64,
+}
+
+/// A scene: files by name, and what its images will be.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recipe {
+    /// In the order in which they are to be written; `manifest.json` is the last.
+    pub files: Vec<(String, String)>,
+    pub manifest: Manifest,
+}
+
+/// What a scene of another renderer cannot hold.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum Inexpressible {
+    #[error("{what} {index} (counted from 0): {why}")]
+    Thing { what: &'static str, index: usize, why: &'static str },
+    #[error("the receiver is {kind}; a camera that sees nothing but the receiver needs a rectangle")]
+    Receiver { kind: &'static str },
+    #[error("there is no source with an area")]
+    NoSource,
+    #[error(
+        "{role} {index} (a {kind}, counted from 0) {how}: the camera, which stands between the receiver and everything else, has no room"
+    )]
+    NoRoom { role: &'static str, index: usize, kind: &'static str, how: &'static str },
+    #[error("{width} x {height} pixels; 1 to {} are accepted", PixelGrid::MOST_PIXELS)]
+    Pixels { width: usize, height: usize },
+    #[error("{said} samples a pixel; 1 to {most} are accepted", most = MOST_SAMPLES)]
+    Samples { said: u64 },
+}
+
+/// Samples that a pixel of an exported scene has at most.
+const MOST_SAMPLES: u64 = 1 << 30;
+/// Neighbouring seeds of one renderer lead to streams that overlap; so far apart they do not.
+const SEEDS: Seeds = Seeds { first: 1, spacing: 1_000_003 };
+
+/// The receiver and the height of the camera above it, metres; everything that stands in the way, at once.
+fn camera(configuration: &Configuration) -> Result<(Rectangle, f64), Vec<Inexpressible>> {
+    let mut found = Vec::new();
+    let thing = |what, index, why| Inexpressible::Thing { what, index, why };
+    for (i, source) in configuration.contents().sources.iter().enumerate() {
+        if source.texture().is_some() {
+            found.push(thing("source", i, "an exitance that varies over the source is not exported"));
+        }
+    }
+    for (i, lamp) in configuration.lamps().iter().enumerate() {
+        let what = match lamp {
+            Lamp::Point(_) => "source.point",
+            Lamp::Beam(_) => "source.beam",
+        };
+        found.push(thing(what, i, "a lamp without area is not exported"));
+    }
+    let unsupported = "only direct light is exported";
+    found.extend((0..configuration.mirrors().len()).map(|i| thing("mirror", i, unsupported)));
+    found.extend((0..configuration.glass().len()).map(|i| thing("glass", i, unsupported)));
+    found.extend((0..configuration.diffuse().len()).map(|i| thing("diffuse surface", i, unsupported)));
+    if configuration.contents().sources.is_empty() {
+        found.push(Inexpressible::NoSource);
+    }
+    let receiver = match configuration.receiver().map(|receiver| receiver.shape()) {
+        Some(ReceiverShape::Rectangle(receiver)) => Some(*receiver),
+        Some(ReceiverShape::Disk(_)) => refuse(&mut found, "a disk"),
+        Some(ReceiverShape::Triangle(_)) => refuse(&mut found, "a triangle"),
+        Some(ReceiverShape::Sphere(_)) => refuse(&mut found, "a sphere"),
+        None => refuse(&mut found, "not named (measured are points of their own)"),
+    };
+    let Some(receiver) = receiver else { return Err(found) };
+    let sources = configuration.sources().iter().map(|source| source.shape());
+    let shapes = sources.enumerate().map(|(i, shape)| ("source", i, shape));
+    let occluders = configuration.occluders().iter().enumerate().map(|(i, shape)| ("occluder", i, shape));
+    let mut lowest = f64::INFINITY;
+    for (role, index, shape) in shapes.chain(occluders) {
+        let Some([low, high]) = heights_above(shape, &receiver) else { continue };
+        let size = receiver.edge_u().length().max(receiver.edge_v().length());
+        if high < -CLEARANCE * size {
+            continue; // Wholly behind the receiver: in nobody's way.
+        }
+        if low <= CLEARANCE * size {
+            let how = if low < -CLEARANCE * size { "cuts through the receiver's plane" } else { "touches the receiver" };
+            found.push(Inexpressible::NoRoom { role, index, kind: shape.kind(), how });
+        }
+        lowest = lowest.min(low);
+    }
+    if !found.is_empty() {
+        return Err(found);
+    }
+    // With nothing above the receiver any height will do.
+    let height = if lowest.is_finite() { 0.5 * lowest } else { receiver.edge_u().length() };
+    Ok((receiver, height))
+}
+
+/// Nearer than this to the receiver, in units of its size, there is no room for single precision.
+const CLEARANCE: f64 = 1e-4;
+
+fn refuse(found: &mut Vec<Inexpressible>, kind: &'static str) -> Option<Rectangle> {
+    found.push(Inexpressible::Receiver { kind });
+    None
+}
+
+/// The least and the greatest height over the receiver's plane, metres, of what may lie over the receiver; `None` of what
+/// lies beside it.
+fn heights_above(shape: &Shape, receiver: &Rectangle) -> Option<[f64; 2]> {
+    let axes = [receiver.edge_u().normalize(), receiver.edge_v().normalize(), receiver.normal()];
+    let [along_u, along_v, height] = axes.map(|axis| span(shape, axis, receiver.center()));
+    let beside = |[low, high]: [f64; 2], edge: DVec3| low > 0.5 * edge.length() || high < -0.5 * edge.length();
+    (!beside(along_u, receiver.edge_u()) && !beside(along_v, receiver.edge_v())).then_some(height)
+}
+
+/// The shape's extent along a unit vector, from a point.
+fn span(shape: &Shape, axis: DVec3, from: DVec3) -> [f64; 2] {
+    let of = |points: &mut dyn Iterator<Item = DVec3>| {
+        points.map(|p| (p - from).dot(axis)).fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
+    };
+    let around = |center: DVec3, reach: f64| {
+        let middle = (center - from).dot(axis);
+        [middle - reach, middle + reach]
+    };
+    match shape {
+        Shape::Disk(s) => around(s.center(), s.radius() * (1.0 - s.normal().dot(axis).powi(2)).max(0.0).sqrt()),
+        Shape::Sphere(s) => around(s.center(), s.radius()),
+        Shape::Rectangle(s) => of(&mut s.corners().into_iter()),
+        Shape::Polygon(s) => of(&mut s.vertices().iter().copied()),
+        Shape::Mesh(s) => of(&mut s.vertices().iter().copied()),
+    }
+}
+
+/// As many pixels as were ordered, or 32 along the longer edge.
+fn grid(configuration: &Configuration, receiver: &Rectangle, order: &Order) -> Result<PixelGrid, Vec<Inexpressible>> {
+    if !(1..=MOST_SAMPLES).contains(&order.samples_per_pixel) {
+        return Err(vec![Inexpressible::Samples { said: order.samples_per_pixel }]);
+    }
+    let (u, v) = (receiver.edge_u().length(), receiver.edge_v().length());
+    let usual = [u, v].map(|edge| (32.0 * edge / u.max(v)).round().max(1.0) as usize);
+    let [width, height] = order.pixels.unwrap_or(usual);
+    PixelGrid::of_receiver(configuration, [width, height]).ok_or(vec![Inexpressible::Pixels { width, height }])
+}
