@@ -75,7 +75,8 @@ pub struct ImageOptions {
 }
 
 fn pixels(text: &str) -> Result<[usize; 2], String> {
-    let parsed = text.split_once(['x', 'X']).and_then(|(w, h)| Some([w.trim().parse().ok()?, h.trim().parse().ok()?]));
+    let parsed =
+        text.split_once(['x', 'X']).and_then(|(w, h)| Some([w.trim().parse().ok()?, h.trim().parse().ok()?]));
     match parsed {
         Some([width, height]) if width > 0 && height > 0 => Ok([width, height]),
         _ => Err("columns and rows, such as 64x48".to_owned()),
@@ -96,7 +97,10 @@ pub fn export(options: &ExportOptions) -> u8 {
 fn export_to_end(options: &ExportOptions) -> Result<u8, u8> {
     let mut cases = select(std::slice::from_ref(&options.case))?;
     if cases.len() != 1 {
-        return Err(fault(exit::USAGE, format!("`{}` names {} cases; one is exported at a time", options.case, cases.len())));
+        return Err(fault(
+            exit::USAGE,
+            format!("`{}` names {} cases; one is exported at a time", options.case, cases.len()),
+        ));
     }
     let case = cases.remove(0);
     let order = Order { pixels: options.pixels, samples_per_pixel: options.samples };
@@ -117,7 +121,9 @@ fn export_to_end(options: &ExportOptions) -> Result<u8, u8> {
 
 /// Whether these are files of images. A mixture is left to the reader of images, which says what is foreign.
 pub(super) fn are_images(options: &VerifyOptions) -> bool {
-    options.images.manifest.is_some() || options.images.pixel_variance.is_some() || options.files.iter().any(|file| is_image(file))
+    options.images.manifest.is_some()
+        || options.images.pixel_variance.is_some()
+        || options.files.iter().any(|file| is_image(file))
 }
 
 pub(super) fn verify(options: &VerifyOptions, case: &Case) -> Result<u8, u8> {
@@ -137,7 +143,10 @@ pub(super) fn verify(options: &VerifyOptions, case: &Case) -> Result<u8, u8> {
     let mut stack = Stack::read(files, size).map_err(|error| fault(exit::OUTPUT, error))?;
     if let Some(path) = &images.pixel_variance {
         if stack.n_images() != 1 {
-            return Err(fault(exit::USAGE, format!("{} images; --pixel-variance is for a single one", stack.n_images())));
+            return Err(fault(
+                exit::USAGE,
+                format!("{} images; --pixel-variance is for a single one", stack.n_images()),
+            ));
         }
         stack.variance = Some(Stack::read_variance(path, size).map_err(|error| fault(exit::OUTPUT, error))?);
     }
@@ -159,7 +168,8 @@ pub(super) fn verify(options: &VerifyOptions, case: &Case) -> Result<u8, u8> {
     files.iter().take(4).for_each(|file| reproduce += &format!(" {}", words(file)));
     reproduce += if files.len() > 4 { " …" } else { "" };
     reproduce += &format!(" --manifest {}", words(&path));
-    reproduce += &images.pixel_variance.as_ref().map_or(String::new(), |path| format!(" --pixel-variance {}", words(path)));
+    reproduce +=
+        &images.pixel_variance.as_ref().map_or(String::new(), |path| format!(" --pixel-variance {}", words(path)));
     reproduce += &images.ray_epsilon.map_or(String::new(), |epsilon| format!(" --ray-epsilon {epsilon}"));
     reproduce += &terms.smallest_bias.map_or(String::new(), |b| format!(" --smallest-bias {},{}", b.mean, b.point));
     reproduce += &terms.words();

@@ -25,7 +25,7 @@ mod exit {
     pub const UNDECIDED: u8 = 3;
     /// Nothing was selected.
     pub const NOTHING: u8 = 4;
-    /// An output could not be written.
+    /// An output could not be written, or an image not read.
     pub const OUTPUT: u8 = 5;
     /// A fault of this program.
     pub const BUG: u8 = 70;

@@ -19,7 +19,7 @@ Exit codes:
   2   the command line is wrong, or a case or a file that it names
   3   none failed but some are undecided (0 under --allow-undecided)
   4   nothing selected
-  5   an output could not be written
+  5   an output could not be written, or an image not read
   70  a bug of ours";
 
 /// Measures Monte Carlo estimators of area-source lighting against exact values, and judges them.

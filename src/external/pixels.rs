@@ -33,13 +33,16 @@ impl PixelGrid {
         let n = width.checked_mul(height).filter(|n| (1..=PixelGrid::MOST_PIXELS).contains(n));
         n?;
         let (u, v) = (receiver.edge_u(), receiver.edge_v());
-        Some(PixelGrid {
+        let grid = PixelGrid {
             width,
             height,
             corner_m: (receiver.center() - u * 0.5 + v * 0.5).to_array(),
             per_column_m: (u / width as f64).to_array(),
             per_row_m: (v / -(height as f64)).to_array(),
-        })
+        };
+        // Rounding may leave no rectangle of a pixel that is minute beside its coordinates: then of none.
+        let corners = [[0, 0], [width - 1, 0], [0, height - 1], [width - 1, height - 1]];
+        corners.iter().all(|place| grid.footprint(*place).is_some()).then_some(grid)
     }
 
     /// The same pixels, to a billionth of one.

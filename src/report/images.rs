@@ -75,15 +75,21 @@ pub(super) fn pixels<'a>() -> Table<PixelRow<'a>> {
             column("x_m", "m", "middle of its footprint", |r| r.outcome.places[r.p][0].into()),
             column("y_m", "m", "", |r| r.outcome.places[r.p][1].into()),
             column("z_m", "m", "", |r| r.outcome.places[r.p][2].into()),
-            column("region", "", "what all of the footprint sees; `edge` where a shadow's edge runs through it or within the ray epsilon", |r| {
-                region_name(r.pixel).into()
-            }),
+            column(
+                "region",
+                "",
+                "what all of the footprint sees; `edge` where a shadow's edge runs through it or within the ray epsilon",
+                |r| region_name(r.pixel).into(),
+            ),
             column("exact_irradiance_W_m2", "W/m²", "mean over the footprint", |r| r.pixel.truth.irradiance.into()),
             column("exact_bound_W_m2", "W/m²", "error of that mean", |r| r.pixel.truth.bound.into()),
             column("mean_irradiance_W_m2", "W/m²", "mean over the images", |r| r.pixel.mean.into()),
-            column("std_error_W_m2", "W/m²", "of the mean over the images, from the spread of the neighbourhood; 0 where nothing spreads", |r| {
-                r.pixel.std_error.into()
-            }),
+            column(
+                "std_error_W_m2",
+                "W/m²",
+                "of the mean over the images, from the spread of the neighbourhood; 0 where nothing spreads",
+                |r| r.pixel.std_error.into(),
+            ),
             column("z", "", "deviation in standard errors; it decides nothing", |r| r.pixel.z().into()),
         ],
         more: &[],
@@ -102,11 +108,19 @@ pub(super) fn regions<'a>() -> Table<(&'a ImagesOutcome, &'a Part)> {
             column("pixels", "", "how many there are", |(_, part)| part.n_pixels.into()),
             column("images", "", "how many there are", |(o, _)| o.n_images.into()),
             column("exact_irradiance_W_m2", "W/m²", "mean over these pixels", |(_, part)| part.exact.into()),
-            column("exact_bound_W_m2", "W/m²", "mean error of their exact means", |(_, part)| part.exact_bound.into()),
+            column("exact_bound_W_m2", "W/m²", "mean error of their exact means", |(_, part)| {
+                part.exact_bound.into()
+            }),
             column("mean_irradiance_W_m2", "W/m²", "mean over pixels and images", |(_, part)| part.mean.into()),
-            column("std_error_W_m2", "W/m²", "of that mean, if pixels are independent", |(_, part)| part.std_error.into()),
-            column("chi_square", "", "mean of z² over the pixels that spread; about 1", |(_, part)| part.chi_square.into()),
-            column("evidence", "", "log10 of the capital against the mean of these pixels", |(_, part)| part.evidence.into()),
+            column("std_error_W_m2", "W/m²", "of that mean, if pixels are independent", |(_, part)| {
+                part.std_error.into()
+            }),
+            column("chi_square", "", "mean of z² over the pixels that spread; about 1", |(_, part)| {
+                part.chi_square.into()
+            }),
+            column("evidence", "", "log10 of the capital against the mean of these pixels", |(_, part)| {
+                part.evidence.into()
+            }),
         ],
         more: &[],
         case: |(o, _)| &o.case,
@@ -215,9 +229,13 @@ pub fn images_table(outcome: &ImagesOutcome, report: Option<&Path>) -> String {
         outcome.height,
         outcome.samples_per_pixel
     );
-    text += &format!("  {:<14} {:>7}  {:>12}  {:>12}  {:>9}  {:>7}\n", "region", "pixels", "exact W/m2", "mean W/m2", "z", "chi2/n");
+    text += &format!(
+        "  {:<14} {:>7}  {:>12}  {:>12}  {:>9}  {:>7}\n",
+        "region", "pixels", "exact W/m2", "mean W/m2", "z", "chi2/n"
+    );
     for part in &outcome.parts {
-        let z = (part.std_error > 0.0 && outcome.verdict().is_some()).then(|| (part.mean - part.exact) / part.std_error);
+        let z =
+            (part.std_error > 0.0 && outcome.verdict().is_some()).then(|| (part.mean - part.exact) / part.std_error);
         let shown = |x: Option<f64>| x.map_or("-".to_owned(), |x| format!("{x:.2}"));
         text += &format!(
             "  {:<14} {:>7}  {:>12.6}  {:>12.6}  {:>9}  {:>7}\n",
@@ -228,6 +246,15 @@ pub fn images_table(outcome: &ImagesOutcome, report: Option<&Path>) -> String {
             shown(z),
             shown(part.chi_square)
         );
+    }
+    let by_z = outcome.pixels.iter().enumerate().filter_map(|(p, pixel)| Some((p, pixel, pixel.z()?)));
+    if let Some((p, pixel, z)) = by_z.max_by(|a, b| a.2.abs().total_cmp(&b.2.abs()))
+        && outcome.verdict().is_some()
+    {
+        let (column, row) = (p % outcome.width, p / outcome.width);
+        text += &format!("  largest z of a pixel: {z:+.1} at column {column}, row {row}");
+        let relative = pixel.mean / pixel.truth.irradiance - 1.0;
+        text += &if relative.is_finite() { format!(" ({:+.2} %)\n", 100.0 * relative) } else { "\n".to_owned() };
     }
     text.push('\n');
     for judged in &outcome.verdicts {

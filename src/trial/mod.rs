@@ -35,7 +35,8 @@ pub use guest::{
     judge_sets, questions,
 };
 pub use images::{
-    Cause, ImageTerms, ImagesOutcome, LEAST_TOLERANCE, LEAST_TOLERANCE_OF_HALVES, Part, Pixel, PixelTruth, judge_images,
+    Cause, ImageTerms, ImagesOutcome, LEAST_TOLERANCE, LEAST_TOLERANCE_OF_HALVES, Part, Pixel, PixelTruth,
+    judge_images,
 };
 pub use lean::Leaning;
 pub use lecture::{Lecture, LectureError, lecture};

@@ -117,7 +117,9 @@ fn of<'a>(outcome: &'a ImagesOutcome, property: &str) -> &'a etendue::trial::Jud
 
 #[test]
 fn right_images_pass() {
-    for (occluded, size, n) in [(false, [24, 24], 16), (true, [32, 20], 16), (true, [5, 5], 400), (false, [3, 1], 400)] {
+    for (occluded, size, n) in
+        [(false, [24, 24], 16), (true, [32, 20], 16), (true, [5, 5], 400), (false, [3, 1], 400)]
+    {
         let mut planter = Planter::new("right_images_pass", occluded, size);
         let exact = planter.exact.clone();
         for _ in 0..6 {
@@ -125,7 +127,8 @@ fn right_images_pass() {
             let outcome = planter.judged(&stack);
             for judged in &outcome.verdicts {
                 // Three pixels are too few to see a correlation in.
-                let least = if size == [3, 1] && judged.property != "bias" { Verdict::Undecided } else { Verdict::Pass };
+                let least =
+                    if size == [3, 1] && judged.property != "bias" { Verdict::Undecided } else { Verdict::Pass };
                 assert!(judged.verdict == least || judged.verdict == Verdict::Pass, "{size:?}: {}", judged.words);
             }
             assert!(outcome.cause.is_none());
@@ -196,7 +199,8 @@ fn half_a_pixel_is_seen_as_such() {
     let mut planter = Planter::new("half_a_pixel_is_seen_as_such", false, [24, 24]);
     // The exact means of a grid twice as fine, joined anew half a pixel on.
     let fine = Planter::new("half_a_pixel_is_seen_as_such", false, [48, 48]);
-    for (step, words) in [([1, 0], "half a pixel: right"), ([0, -1], "half a pixel: up"), ([1, 1], "right and down")] {
+    for (step, words) in [([1, 0], "half a pixel: right"), ([0, -1], "half a pixel: up"), ([1, 1], "right and down")]
+    {
         let shifted = planter.picture(|c, r| {
             let at = |i: isize, j: isize| fine.at(2 * c + i - step[0], 2 * r + j - step[1]);
             0.25 * (at(0, 0) + at(1, 0) + at(0, 1) + at(1, 1))
@@ -343,7 +347,8 @@ fn what_a_scene_cannot_hold_is_refused_by_name() {
 #[test]
 fn a_scene_says_what_the_conventions_ask() {
     let case = room(true);
-    let recipe = recipe::mitsuba(&case.configuration, "room", &Order { pixels: Some([30, 20]), samples_per_pixel: 16 });
+    let recipe =
+        recipe::mitsuba(&case.configuration, "room", &Order { pixels: Some([30, 20]), samples_per_pixel: 16 });
     let recipe = recipe.unwrap();
     let Manifest { rho, pixels, seeds, ref exitance, ref radiance, depth, .. } = recipe.manifest;
     assert_eq!((rho, depth, pixels.width, pixels.height), (RHO, 2, 30, 20));
@@ -352,7 +357,15 @@ fn a_scene_says_what_the_conventions_ask() {
     assert!((pixels.middle([0, 0]) - DVec3::new(-1.16, 1.14, 0.0)).length() < 1e-12);
     assert!((pixels.middle([29, 19]) - DVec3::new(1.16, -1.14, 0.0)).length() < 1e-12);
     let scene = &recipe.files.iter().find(|(name, _)| name == "scene.xml").unwrap().1;
-    for said in ["\"orthographic\"", "\"box\"", "float32", "\"max_depth\" value=\"2\"", "type=\"$sampler\"", "\"disk\"", "twosided"] {
+    for said in [
+        "\"orthographic\"",
+        "\"box\"",
+        "float32",
+        "\"max_depth\" value=\"2\"",
+        "type=\"$sampler\"",
+        "\"disk\"",
+        "twosided",
+    ] {
         assert!(scene.contains(said), "{said}");
     }
     // Half way to the board, looking down.
@@ -394,8 +407,8 @@ fn a_scene_and_its_images_by_the_command_line() {
         judge_images(&case, &grid, &blank, &terms).pixels.iter().map(|p| p.truth.irradiance / (2.0 * PI)).collect();
     let mut draws = Draws::new(seed_of("a_scene_and_its_images_by_the_command_line"));
     let mut noisy = |factor: f64| -> Vec<f64> {
-        let noise = |x: &f64| factor * x * (1.0 + 0.05 * ((0..12).map(|_| draws.unit()).sum::<f64>() - 6.0));
-        (0..64).flat_map(|_| exact.iter().map(noise).collect::<Vec<_>>()).collect()
+        let mut noise = |x: &f64| factor * x * (1.0 + 0.05 * ((0..12).map(|_| draws.unit()).sum::<f64>() - 6.0));
+        (0..64).flat_map(|_| exact.iter().map(&mut noise).collect::<Vec<_>>()).collect()
     };
     npy(&dir.join("right.npy"), [64, 16, 16], &noisy(1.0));
     npy(&dir.join("wrong.npy"), [64, 16, 16], &noisy(PI));

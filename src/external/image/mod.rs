@@ -205,7 +205,10 @@ fn read_exr(path: &Path, reader: BufReader<File>, sink: &mut Sink) -> Result<(),
 }
 #[cfg(not(feature = "plots"))]
 fn read_exr(path: &Path, _: BufReader<File>, _: &mut Sink) -> Result<(), ImageError> {
-    Err(ImageError::Foreign { path: path.to_owned(), what: "this build, without the feature `plots`, reads no OpenEXR" })
+    Err(ImageError::Foreign {
+        path: path.to_owned(),
+        what: "this build, without the feature `plots`, reads no OpenEXR",
+    })
 }
 
 /// Whether a file is one of images, by how it begins.
@@ -213,9 +216,20 @@ pub fn is_image(path: &Path) -> bool {
     let mut magic = Vec::new();
     let read = File::open(path).and_then(|file| file.take(6).read_to_end(&mut magic));
     read.is_ok()
-        && [&b"\x93NUMPY"[..], b"PF\n", b"Pf\n", b"PF\r", b"Pf\r", b"PF ", b"Pf ", b"\x76\x2f\x31\x01", b"\x89PNG", b"\xff\xd8\xff"]
-            .iter()
-            .any(|known| magic.starts_with(known))
+        && [
+            &b"\x93NUMPY"[..],
+            b"PF\n",
+            b"Pf\n",
+            b"PF\r",
+            b"Pf\r",
+            b"PF ",
+            b"Pf ",
+            b"\x76\x2f\x31\x01",
+            b"\x89PNG",
+            b"\xff\xd8\xff",
+        ]
+        .iter()
+        .any(|known| magic.starts_with(known))
 }
 
 #[cfg(test)]

@@ -174,7 +174,9 @@ fn parse(header: &str) -> Result<(Kind, Vec<usize>), String> {
     }
     match (kind, shape, is_fortran) {
         (Some(kind), Some(shape), Some(false)) => Ok((kind, shape)),
-        (_, _, Some(true)) => Err("`fortran_order` is True; accepted: rows one after the other (numpy.ascontiguousarray)".to_owned()),
+        (_, _, Some(true)) => {
+            Err("`fortran_order` is True; accepted: rows one after the other (numpy.ascontiguousarray)".to_owned())
+        }
         _ => Err("`descr`, `fortran_order` or `shape` is missing".to_owned()),
     }
 }
@@ -191,7 +193,9 @@ mod tests {
 
     #[test]
     fn halves_are_what_they_stand_for() {
-        for (bits, value) in [(0x3c00, 1.0), (0xc000, -2.0), (0x7bff, 65504.0), (0x0001, 2f64.powi(-24)), (0x3555, 0.333_251_953_125)] {
+        for (bits, value) in
+            [(0x3c00, 1.0), (0xc000, -2.0), (0x7bff, 65504.0), (0x0001, 2f64.powi(-24)), (0x3555, 0.333_251_953_125)]
+        {
             assert_eq!(half(bits), value);
         }
         assert!(half(0x7c00).is_infinite() && half(0x7e00).is_nan());
@@ -200,7 +204,10 @@ mod tests {
     #[test]
     fn a_header_is_read_strictly() {
         let read = |text: &str| parse(text).map(|(kind, shape)| (kind.bytes, kind.is_little, shape));
-        assert_eq!(read("{'descr': '<f4', 'fortran_order': False, 'shape': (3, 2, 2), }  \n"), Ok((4, true, vec![3, 2, 2])));
+        assert_eq!(
+            read("{'descr': '<f4', 'fortran_order': False, 'shape': (3, 2, 2), }  \n"),
+            Ok((4, true, vec![3, 2, 2]))
+        );
         assert_eq!(read("{\"shape\":(7,),\"fortran_order\":False,\"descr\":\">f8\"}"), Ok((8, false, vec![7])));
         for (text, said) in [
             ("", "no dictionary"),

@@ -59,7 +59,10 @@ fn every_fault_of_a_file_is_named() {
         (npy("<f4", "(2, 2)", &four[..15]), "cut off: an array [2, 2] needs 16 bytes, 15 are there"),
         (npy("<f4", "(2, 2)", &[&four[..], b"more"].concat()), "goes on"),
         (npy("<f4", "(4, 4)", &four), "an array [4, 4]; the manifest says 2 x 2"),
-        (npy("<f4", "(2, 2)", &nan), "2 of 4 pixels of image 0 (counted from 0, over all files) are no finite numbers: column 1, row 0: NaN; column 0, row 1: inf"),
+        (
+            npy("<f4", "(2, 2)", &nan),
+            "2 of 4 pixels of image 0 (counted from 0, over all files) are no finite numbers: column 1, row 0: NaN; column 0, row 1: inf",
+        ),
         (npy("<f4", "(2, 2, 2)", &four.repeat(2)), "images 0 and 1, counted from 0, are equal"),
         (npy("<f4", "(9999999999999, 2, 2)", &four), "held in memory"),
         (npy("<f4", "(18446744073709551615, 2, 2)", &four), "held in memory"),
@@ -121,9 +124,9 @@ fn parts_are_images_and_damage_is_survived() {
         for byte in [0x00, 0xff, whole[at] ^ 0x10] {
             let mut bytes = whole.clone();
             bytes[at] = byte;
-            refused += usize::from(read("b.exr", &bytes, [3, 2]).is_err());
+            refused += usize::from(self::read("b.exr", &bytes, [3, 2]).is_err());
         }
-        refused += usize::from(read("c.exr", &whole[..at], [3, 2]).is_err());
+        refused += usize::from(self::read("c.exr", &whole[..at], [3, 2]).is_err());
     }
     std::panic::set_hook(quiet);
     assert!(refused > whole.len(), "{refused} of {}", 4 * whole.len());

@@ -137,9 +137,7 @@ fn shape(scene: &mut String, files: &mut Vec<(String, String)>, shape: &Shape, i
             let (x, y) = (frame.tangent * disk.radius(), frame.bitangent * disk.radius());
             ("disk", to_world([x, y, disk.normal(), disk.center()]))
         }
-        Shape::Rectangle(s) => {
-            ("rectangle", to_world([s.edge_u() * 0.5, s.edge_v() * 0.5, s.normal(), s.center()]))
-        }
+        Shape::Rectangle(s) => ("rectangle", to_world([s.edge_u() * 0.5, s.edge_v() * 0.5, s.normal(), s.center()])),
         Shape::Sphere(sphere) => {
             let c = sphere.center();
             let center = format!("<point name=\"center\" x=\"{:?}\" y=\"{:?}\" z=\"{:?}\"/>", c.x, c.y, c.z);
@@ -170,9 +168,7 @@ fn to_world(columns: [DVec3; 4]) -> String {
 }
 
 fn mesh_file(id: &str) -> String {
-    format!(
-        "        <string name=\"filename\" value=\"{id}.obj\"/><boolean name=\"face_normals\" value=\"true\"/>\n"
-    )
+    format!("        <string name=\"filename\" value=\"{id}.obj\"/><boolean name=\"face_normals\" value=\"true\"/>\n")
 }
 
 fn obj(vertices: &[DVec3], triangles: impl IntoIterator<Item = [usize; 3]>) -> String {

@@ -95,7 +95,8 @@ fn camera(configuration: &Configuration) -> Result<(Rectangle, f64), Vec<Inexpre
             continue; // Wholly behind the receiver: in nobody's way.
         }
         if low <= CLEARANCE * size {
-            let how = if low < -CLEARANCE * size { "cuts through the receiver's plane" } else { "touches the receiver" };
+            let how =
+                if low < -CLEARANCE * size { "cuts through the receiver's plane" } else { "touches the receiver" };
             found.push(Inexpressible::NoRoom { role, index, kind: shape.kind(), how });
         }
         lowest = lowest.min(low);
@@ -128,7 +129,9 @@ fn heights_above(shape: &Shape, receiver: &Rectangle) -> Option<[f64; 2]> {
 /// The shape's extent along a unit vector, from a point.
 fn span(shape: &Shape, axis: DVec3, from: DVec3) -> [f64; 2] {
     let of = |points: &mut dyn Iterator<Item = DVec3>| {
-        points.map(|p| (p - from).dot(axis)).fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
+        points
+            .map(|p| (p - from).dot(axis))
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
     };
     let around = |center: DVec3, reach: f64| {
         let middle = (center - from).dot(axis);

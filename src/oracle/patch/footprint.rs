@@ -34,11 +34,8 @@ pub struct Footprint {
 }
 
 /// Gauss's three points on [−1, 1], and their weights, halved (Abramowitz & Stegun 1964, table 25.4).
-const GAUSS_3: [(f64, f64); 3] = [
-    (-0.774_596_669_241_483_4, 5.0 / 18.0),
-    (0.0, 4.0 / 9.0),
-    (0.774_596_669_241_483_4, 5.0 / 18.0),
-];
+const GAUSS_3: [(f64, f64); 3] =
+    [(-0.774_596_669_241_483_4, 5.0 / 18.0), (0.0, 4.0 / 9.0), (0.774_596_669_241_483_4, 5.0 / 18.0)];
 
 /// A first look at a footprint.
 ///
@@ -135,8 +132,12 @@ impl Met<'_> {
     /// footprint can bulge in by more than the margin unseen. A chord c of a circle of radius R ≥ c has a sagitta of about
     /// c² / 8R.
     fn along_outline(&mut self, pixel: &Rectangle, half_u: DVec3, half_v: DVec3, margin: f64) {
-        for (corner, side) in [(-half_u - half_v, half_u), (half_u - half_v, half_v), (half_u + half_v, -half_u), (-half_u + half_v, -half_v)]
-        {
+        for (corner, side) in [
+            (-half_u - half_v, half_u),
+            (half_u - half_v, half_v),
+            (half_u + half_v, -half_u),
+            (-half_u + half_v, -half_v),
+        ] {
             let pieces = (2.0 * side.length() / (8.0 * margin)).sqrt().ceil().clamp(4.0, 64.0) as u32;
             for i in 1..pieces {
                 if !self.is_dark() {
@@ -173,7 +174,8 @@ mod tests {
         for (x, width) in [(0.0, 0.02), (0.3, 0.1), (0.7, 0.42), (2.0, 1.0)] {
             let found = footprint(&oracle, &pixel(x, width), 1e-4);
             let exact = footprint_average(&oracle, &pixel(x, width), Tolerance::relative(1e-11));
-            let off = (found.average.irradiance.watts_per_square_metre() - exact.irradiance.watts_per_square_metre()).abs();
+            let off =
+                (found.average.irradiance.watts_per_square_metre() - exact.irradiance.watts_per_square_metre()).abs();
             assert!(off <= found.average.bound.watts_per_square_metre(), "{x} {width}: {off:e} {found:?}");
             assert!(!found.is_crossed && found.region == Some(Region::Lit));
         }
@@ -191,6 +193,9 @@ mod tests {
         assert_eq!((region(0.2, 1e-4), region(0.7, 1e-4)), (None, Some(Region::Penumbra)));
         assert_eq!((region(1.2, 1e-4), region(1.4, 1e-4)), (None, Some(Region::Lit)));
         let dark = footprint(&oracle, &pixel(0.0, 0.1), 1e-3);
-        assert_eq!((dark.average.irradiance.watts_per_square_metre(), dark.average.bound.watts_per_square_metre()), (0.0, 0.0));
+        assert_eq!(
+            (dark.average.irradiance.watts_per_square_metre(), dark.average.bound.watts_per_square_metre()),
+            (0.0, 0.0)
+        );
     }
 }

@@ -73,7 +73,8 @@ pub(super) fn find(
     let found = best.map(|(cause, _)| cause);
     // Rounding to eleven bits shows in every number.
     if found.is_none() && are_halves(stack) {
-        let words = "every number is a half-float: the film rounds by up to 4.9e-4 of a value; ask it for 32 bits".to_owned();
+        let words =
+            "every number is a half-float: the film rounds by up to 4.9e-4 of a value; ask it for 32 bits".to_owned();
         return Some(Cause { name: "half-float", words, explained: 1.0 });
     }
     found
@@ -107,7 +108,11 @@ impl Fit<'_> {
     /// The share of the deviations that a hypothesis takes away, and what is left of them for each pixel.
     fn explains(&self, hypothesis: &Hypothesis) -> (f64, f64) {
         let (mut before, mut after, mut n) = (0.0, 0.0, 0.0);
-        let largest = self.pixels.iter().zip(&hypothesis.values).filter_map(|(p, h)| Some((h.as_ref()? - p.truth.irradiance).abs()));
+        let largest = self
+            .pixels
+            .iter()
+            .zip(&hypothesis.values)
+            .filter_map(|(p, h)| Some((h.as_ref()? - p.truth.irradiance).abs()));
         let slack = hypothesis.slack * largest.fold(0.0, f64::max);
         for (p, value) in hypothesis.values.iter().enumerate() {
             let (weight, Some(value)) = (self.weight(p), value) else { continue };
@@ -181,21 +186,31 @@ fn moved(fit: &Fit, grid: &PixelGrid) -> Vec<Hypothesis> {
         let inside = (0..width).contains(&column) && (0..height).contains(&row);
         inside.then(|| fit.truth((row * width + column) as usize).irradiance)
     };
-    let picture = |name: &'static str, words: &str, slack: f64, value: &dyn Fn(isize, isize) -> Option<f64>| Hypothesis {
-        name,
-        words: words.to_owned(),
-        values: (0..height).flat_map(|row| (0..width).map(move |column| (column, row))).map(|(c, r)| value(c, r)).collect(),
-        slack,
-    };
+    let picture =
+        |name: &'static str, words: &str, slack: f64, value: &dyn Fn(isize, isize) -> Option<f64>| Hypothesis {
+            name,
+            words: words.to_owned(),
+            values: (0..height)
+                .flat_map(|row| (0..width).map(move |column| (column, row)))
+                .map(|(c, r)| value(c, r))
+                .collect(),
+            slack,
+        };
     let mut found = vec![
         picture("mirrored", "the image is mirrored left to right", 0.0, &|c, r| at(width - 1 - c, r)),
         picture("mirrored", "the image is upside down (mirrored top to bottom)", 0.0, &|c, r| at(c, height - 1 - r)),
         picture("turned", "the image is turned by half a turn", 0.0, &|c, r| at(width - 1 - c, height - 1 - r)),
     ];
     if width == height {
-        found.push(picture("transposed", "the image is transposed: rows and columns are exchanged", 0.0, &|c, r| at(r, c)));
-        found.push(picture("turned", "the image is turned by a quarter to the right", 0.0, &|c, r| at(r, height - 1 - c)));
-        found.push(picture("turned", "the image is turned by a quarter to the left", 0.0, &|c, r| at(width - 1 - r, c)));
+        found.push(picture("transposed", "the image is transposed: rows and columns are exchanged", 0.0, &|c, r| {
+            at(r, c)
+        }));
+        found.push(picture("turned", "the image is turned by a quarter to the right", 0.0, &|c, r| {
+            at(r, height - 1 - c)
+        }));
+        found.push(picture("turned", "the image is turned by a quarter to the left", 0.0, &|c, r| {
+            at(width - 1 - r, c)
+        }));
     }
     // Half a pixel on: the mean of two exact means is that of the two halves, but for third derivatives.
     let name = |step: isize, plus: &'static str, minus: &'static str| match step {
@@ -206,7 +221,10 @@ fn moved(fit: &Fit, grid: &PixelGrid) -> Vec<Hypothesis> {
     for (half, slack, what) in [(true, 0.02, "half a pixel"), (false, 0.0, "a pixel")] {
         for (dc, dr) in [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)] {
             let sideways = [name(dc, "right", "left"), name(dr, "down", "up")];
-            let words = format!("the image is shifted by {what}: {}", sideways.into_iter().filter(|w| !w.is_empty()).collect::<Vec<_>>().join(" and "));
+            let words = format!(
+                "the image is shifted by {what}: {}",
+                sideways.into_iter().filter(|w| !w.is_empty()).collect::<Vec<_>>().join(" and ")
+            );
             let value = |c: isize, r: isize| {
                 if half { half_shifted(&at, [c, r], [dc, dr]) } else { at(c - dc, r - dr) }
             };
@@ -235,7 +253,8 @@ fn half_shifted(at: &dyn Fn(isize, isize) -> Option<f64>, [c, r]: [isize; 2], [d
 /// Light where none is due, everything else being right.
 fn leak(fit: &Fit) -> Option<(Cause, f64)> {
     let dark = |pixel: &&Pixel| pixel.truth.region == Some(Region::Umbra);
-    let (count, light) = fit.pixels.iter().filter(dark).fold((0.0, 0.0), |(n, sum), pixel| (n + 1.0, sum + pixel.mean));
+    let (count, light) =
+        fit.pixels.iter().filter(dark).fold((0.0, 0.0), |(n, sum), pixel| (n + 1.0, sum + pixel.mean));
     if light <= 0.0 {
         return None;
     }
@@ -299,7 +318,13 @@ fn others(fit: &Fit, case: &Case, grid: &PixelGrid) -> Vec<Hypothesis> {
 }
 
 /// The exact mean of a lit pixel times what the lost cosines make of its middle.
-fn without_cosines(fit: &Fit, case: &Case, grid: &PixelGrid, p: usize, [at_receiver, at_source]: [bool; 2]) -> Option<f64> {
+fn without_cosines(
+    fit: &Fit,
+    case: &Case,
+    grid: &PixelGrid,
+    p: usize,
+    [at_receiver, at_source]: [bool; 2],
+) -> Option<f64> {
     let truth = fit.truth(p);
     if truth.region != Some(Region::Lit) {
         return None;

@@ -108,12 +108,19 @@ impl Dependence {
                     "too few pixels: a correlation of neighbours of {smallest:.2} would have been seen ({ASKED} asked); more images would do"
                 ),
             };
-            found.push(property("neighbours", verdict, log10_capped(evidence), around(correlation, pairs[worst].n), words, &terms.reproduce));
+            found.push(property(
+                "neighbours",
+                verdict,
+                log10_capped(evidence),
+                around(correlation, pairs[worst].n),
+                words,
+                &terms.reproduce,
+            ));
         }
         if let Some(pairs) = self.images {
             let smallest = HARMLESS + smallest_shift(1.0, pairs.n, 1);
             let mut verdict = verdict(self.images_ln, smallest);
-            let correlation = pairs.correlation();
+            let correlation = between(&pairs, data.n_images);
             let words = match (&self.followers, verdict) {
                 (Some(Followers { pairs, largest, example }), _) => {
                     verdict = Verdict::Fail;
@@ -132,12 +139,21 @@ impl Dependence {
                     "residuals of different images are correlated ({correlation:+.2}): random streams were used twice, or images \
                      were copied or averaged; every image needs a seed of its own"
                 ),
-                (None, Verdict::Pass) => format!("residuals of different images: {correlation:+.3}; none above {smallest:.2}"),
+                (None, Verdict::Pass) => {
+                    format!("residuals of different images: {correlation:+.3}; none above {smallest:.2}")
+                }
                 (None, Verdict::Undecided) => format!(
                     "too few pixels: a correlation between images of {smallest:.2} would have been seen ({ASKED} asked)"
                 ),
             };
-            found.push(property("images", verdict, log10_capped(self.images_ln), around(correlation, pairs.n), words, &terms.reproduce));
+            found.push(property(
+                "images",
+                verdict,
+                log10_capped(self.images_ln),
+                around(correlation, pairs.n),
+                words,
+                &terms.reproduce,
+            ));
         }
         found
     }
@@ -151,6 +167,11 @@ fn verdict(evidence_ln: f64, smallest: f64) -> Verdict {
     } else {
         Verdict::Undecided
     }
+}
+
+/// Between images, without what the mean over them brings: residuals from it sum to nought.
+pub(super) fn between(pairs: &Pairs, n_images: usize) -> f64 {
+    pairs.correlation() + 1.0 / (n_images as f64 - 1.0).max(1.0)
 }
 
 /// A correlation of n products, with its 95 % interval.
@@ -171,9 +192,11 @@ pub(super) fn measure(data: &Data, truths: &[PixelTruth], variances: &[f64]) -> 
             if *variance > 0.0 { freed / variance.sqrt() } else { 0.0 }
         })
         .collect();
-    let centre: Vec<f64> = (0..data.n_pixels()).map(|p| if images > 1 { data.mean_deviation(p) } else { 0.0 }).collect();
+    let centre: Vec<f64> =
+        (0..data.n_pixels()).map(|p| if images > 1 { data.mean_deviation(p) } else { 0.0 }).collect();
     let residual = |k: usize, p: usize| (data.image(k)[p] - centre[p]) * scale[p];
-    let mut found = Dependence { whole: 1.0, neighbours: Some(neighbours(data, &scale, &residual)), ..Dependence::default() };
+    let mut found =
+        Dependence { whole: 1.0, neighbours: Some(neighbours(data, &scale, &residual)), ..Dependence::default() };
     if images < 2 {
         return found;
     }
@@ -303,9 +326,8 @@ fn between_images(data: &Data, scale: &[f64], residual: &Residual) -> (Option<Pa
 /// Pixels that follow another pixel of the image before: where seeds are neighbours, streams are taken up by other pixels.
 /// Among lit pixels, whose residuals are nearly normal; by Fisher's z, beyond chance among all pairs.
 fn followers(data: &Data, truths: &[PixelTruth], scale: &[f64], residual: &Residual) -> Option<Followers> {
-    let lit: Vec<usize> = (0..data.n_pixels())
-        .filter(|p| truths[*p].region == Some(Region::Lit) && scale[*p] > 0.0)
-        .collect();
+    let lit: Vec<usize> =
+        (0..data.n_pixels()).filter(|p| truths[*p].region == Some(Region::Lit) && scale[*p] > 0.0).collect();
     let steps = data.n_images - 1;
     if data.n_images < FEWEST_IMAGES || lit.len().pow(2).saturating_mul(steps) > MOST_PRODUCTS {
         return None;

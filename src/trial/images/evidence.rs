@@ -156,8 +156,8 @@ pub(super) fn bias(
     let evidence = log10_capped(ln_average(kinds.iter().copied()));
 
     let whole = &parts[0];
-    let mean = (whole.exact > 0.0)
-        .then(|| smallest_shift(whole.variance, whole.n, kinds.len() * parts.len()) / whole.exact);
+    let mean =
+        (whole.exact > 0.0).then(|| smallest_shift(whole.variance, whole.n, kinds.len() * parts.len()) / whole.exact);
     let finest = scales.last();
     let side = sides(data).last().copied();
     let point = finest.and_then(|scale| {
@@ -195,7 +195,10 @@ pub(super) fn bias(
     judged.smallest_bias_mean = mean;
     judged.smallest_bias_point = point;
     judged.note = Some(match &data.stated_variance {
-        Some(_) => "the variance is not predicted: this leans on what the file states, and on pixels that are independent".to_owned(),
+        Some(_) => {
+            "the variance is not predicted: this leans on what the file states, and on pixels that are independent"
+                .to_owned()
+        }
         None => format!(
             "the variance is not predicted: this leans on the spread of the {} images, pooled over neighbours and taken two \
              standard errors high",
@@ -299,7 +302,9 @@ fn pass_words(mean: Option<f64>, point: Option<f64>, side: Option<usize>) -> Str
             percent(mean),
             percent(point)
         ),
-        (Some(mean), None) => format!("no bias above {} in the mean; no {whose} is lit by a tenth or more", percent(mean)),
+        (Some(mean), None) => {
+            format!("no bias above {} in the mean; no {whose} is lit by a tenth or more", percent(mean))
+        }
         (None, _) => "no light is due in any pixel and none arrived".to_owned(),
     }
 }
@@ -349,7 +354,11 @@ fn undecided_words(
     }
     let found = |x: Option<f64>| x.map_or("nothing".to_owned(), percent);
     let images = data.n_images as f64 * factor;
-    let how = if images.is_finite() { format!("about {images:.0} images would do") } else { "no number is enough".to_owned() };
+    let how = if images.is_finite() {
+        format!("about {images:.0} images would do")
+    } else {
+        "no number is enough".to_owned()
+    };
     format!(
         "too little evidence: a bias of {} in the mean ({} asked) and {} at the worst {} ({} asked) would have been seen; {how}",
         found(mean),

@@ -60,7 +60,8 @@ impl Noise {
 /// The exact means, pixels in parallel. `[row][column]`.
 pub(super) fn truths(oracle: &Oracle, grid: &PixelGrid, ray_epsilon: f64, noise: &Noise) -> Vec<PixelTruth> {
     let n = grid.n_pixels();
-    let pixel = |p: usize| grid.footprint(grid.place(p)).expect("a manifest's pixels were checked on the receiver");
+    let pixel =
+        |p: usize| grid.footprint(grid.place(p)).expect("a grid's pixels are rectangles, or there is no grid");
     let looks: Vec<Footprint> =
         (0..n).into_par_iter().with_min_len(64).map(|p| footprint(oracle, &pixel(p), ray_epsilon)).collect();
     let mean = looks.iter().map(|look| look.average.irradiance.watts_per_square_metre()).sum::<f64>() / n as f64;
@@ -81,7 +82,13 @@ pub(super) fn truths(oracle: &Oracle, grid: &PixelGrid, ray_epsilon: f64, noise:
             } else {
                 look.average
             };
-            truth(look, average.irradiance.watts_per_square_metre(), average.bound.watts_per_square_metre(), &footprint, ray_epsilon)
+            truth(
+                look,
+                average.irradiance.watts_per_square_metre(),
+                average.bound.watts_per_square_metre(),
+                &footprint,
+                ray_epsilon,
+            )
         })
         .collect()
 }

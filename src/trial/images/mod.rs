@@ -139,8 +139,8 @@ struct Data {
     n_images: usize,
     /// Of the exact mean over each footprint, W/m².
     deviations: Vec<f64>,
-    /// Sums over the images of deviations to the powers 1, 2 and 4.
-    sums: Vec<[f64; 3]>,
+    /// Sums over the images of deviations to the powers 1 to 4.
+    sums: Vec<[f64; 4]>,
     /// Stated by the file of a single image, (W/m²)².
     stated_variance: Option<Vec<f64>>,
 }
@@ -150,14 +150,15 @@ impl Data {
         let n_pixels = grid.n_pixels();
         let factor = terms.irradiance_of_value;
         let mut deviations = stack.values.clone();
-        let mut sums = vec![[0.0; 3]; n_pixels];
+        let mut sums = vec![[0.0; 4]; n_pixels];
         for image in deviations.chunks_exact_mut(n_pixels) {
             for ((x, truth), sums) in image.iter_mut().zip(truths).zip(&mut sums) {
                 *x = *x * factor - truth.irradiance;
                 let square = *x * *x;
                 sums[0] += *x;
                 sums[1] += square;
-                sums[2] += square * square;
+                sums[2] += square * *x;
+                sums[3] += square * square;
             }
         }
         let stated_variance =
@@ -176,10 +177,24 @@ impl Data {
     }
     /// Of one image, about the mean over the images; 0 for a single one.
     fn sample_variance(&self, p: usize) -> f64 {
-        let n = self.n_images as f64;
-        if self.n_images < 2 { 0.0 } else { ((self.sums[p][1] - self.sums[p][0] * self.sums[p][0] / n) / (n - 1.0)).max(0.0) }
+        if self.n_images < 2 { 0.0 } else { self.squares(p) / (self.n_images as f64 - 1.0) }
+    }
+    /// Σ (x − x̄)²; 0 where all are equal but for rounding.
+    fn squares(&self, p: usize) -> f64 {
+        let [first, second, ..] = self.sums[p];
+        let squares = second - first * first / self.n_images as f64;
+        if squares > ROUNDING * second { squares } else { 0.0 }
+    }
+    /// Σ (x − x̄)⁴.
+    fn fourth_powers(&self, p: usize) -> f64 {
+        let [first, second, third, fourth] = self.sums[p];
+        let mean = first / self.n_images as f64;
+        (fourth - 4.0 * mean * third + 6.0 * mean * mean * second - 3.0 * mean.powi(3) * first).max(0.0)
     }
 }
+
+/// Of sums of squares, relative: about the exact value they hold the bias, too.
+const ROUNDING: f64 = 1e-13;
 
 /// Judges images of a case.
 ///
@@ -249,7 +264,7 @@ pub fn judge_images(case: &Case, grid: &PixelGrid, stack: &Stack, terms: &ImageT
         parts,
         footprint_error,
         neighbour_correlation: dependence.neighbours.map(|n| n.map(|pairs| pairs.correlation())),
-        image_correlation: dependence.images.map(|pairs| pairs.correlation()),
+        image_correlation: dependence.images.map(|pairs| dependence::between(&pairs, data.n_images)),
         verdicts,
         cause,
         notes,
@@ -287,7 +302,8 @@ fn parts(pixels: &[Pixel], evidences: &[(usize, f64)], has_spread: bool) -> Vec<
         let n = members.len() as f64;
         let mean = |value: &dyn Fn(&Pixel) -> f64| members.iter().map(|p| value(&pixels[*p])).sum::<f64>() / n;
         let squares: Vec<f64> = members.iter().filter_map(|p| pixels[*p].z()).map(|z| z * z).collect();
-        let chi_square = (has_spread && !squares.is_empty()).then(|| squares.iter().sum::<f64>() / squares.len() as f64);
+        let chi_square =
+            (has_spread && !squares.is_empty()).then(|| squares.iter().sum::<f64>() / squares.len() as f64);
         (!members.is_empty()).then(|| Part {
             name: PARTS[i].0,
             n_pixels: members.len(),

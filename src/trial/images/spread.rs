@@ -28,8 +28,8 @@ const FARTHEST: usize = 8;
 /// With fewer events a variance is no more than a guess.
 const FEWEST_EVENTS: f64 = 30.0;
 
-/// What the variance of a pixel of one image can be at most, if its samples are independent, each a point on a source by area or a direction:
-/// (largest contribution) · (what is due) / N, (W/m²)².
+/// What the variance of a pixel of one image can be at most, if its samples are independent, each a point on a source by
+/// area or a direction: (largest contribution) · (what is due) / N, (W/m²)².
 pub(super) fn ceilings(
     configuration: &Configuration,
     grid: &PixelGrid,
@@ -86,16 +86,15 @@ struct Pool {
     /// Σ (K − 1) s², and Σ (K − 1).
     squares: f64,
     freedom: f64,
-    /// Of deviations from the exact value: how many, Σ d², Σ d⁴.
+    /// How many, and Σ (x − x̄)⁴.
     n: f64,
-    second: f64,
     fourth: f64,
 }
 
 impl Pool {
     fn around(data: &Data, truths: &[PixelTruth], p: usize, reach: usize) -> Pool {
         let [column, row] = data.grid.place(p);
-        let mut pool = Pool { squares: 0.0, freedom: 0.0, n: 0.0, second: 0.0, fourth: 0.0 };
+        let mut pool = Pool { squares: 0.0, freedom: 0.0, n: 0.0, fourth: 0.0 };
         let freedom = data.n_images.saturating_sub(1) as f64;
         for r in row.saturating_sub(reach)..=(row + reach).min(data.grid.height - 1) {
             for c in column.saturating_sub(reach)..=(column + reach).min(data.grid.width - 1) {
@@ -103,11 +102,10 @@ impl Pool {
                 if truths[q].region != truths[p].region {
                     continue;
                 }
-                pool.squares += freedom * data.sample_variance(q);
+                pool.squares += data.squares(q);
                 pool.freedom += freedom;
                 pool.n += data.n_images as f64;
-                pool.second += data.sums[q][1];
-                pool.fourth += data.sums[q][2];
+                pool.fourth += data.fourth_powers(q);
             }
         }
         pool
@@ -117,7 +115,7 @@ impl Pool {
         if self.freedom > 0.0 { self.squares / self.freedom } else { 0.0 }
     }
     fn kurtosis(&self) -> f64 {
-        if self.second > 0.0 { self.n * self.fourth / (self.second * self.second) } else { f64::INFINITY }
+        if self.squares > 0.0 { self.n * self.fourth / (self.squares * self.squares) } else { f64::INFINITY }
     }
     /// Squares of so many equal hits have this kurtosis.
     fn events(&self) -> f64 {
