@@ -205,7 +205,7 @@ pub(super) fn bias(
             data.n_images
         ),
     });
-    Judged { verdict: judged, parts: parts.iter().filter_map(|c| part_evidence(c)).collect() }
+    Judged { verdict: judged, parts: parts.iter().filter_map(part_evidence).collect() }
 }
 
 fn part_evidence(component: &Component) -> Option<(usize, f64)> {
