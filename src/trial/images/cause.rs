@@ -133,7 +133,7 @@ impl Fit<'_> {
         (1.0 - (after - n).max(0.0) / (before - n), after / n)
     }
 
-    /// The factor that fits best, and its standard error.
+    /// The factor that fits best, and its standard error: as the pixels scatter about it, where that is more than they should.
     fn factor(&self) -> Option<(f64, f64)> {
         let (mut top, mut bottom) = (0.0, 0.0);
         for (p, pixel) in self.pixels.iter().enumerate() {
@@ -142,7 +142,11 @@ impl Fit<'_> {
             top += weight * pixel.truth.irradiance * pixel.mean;
             bottom += weight * pixel.truth.irradiance.powi(2);
         }
-        (bottom > 0.0).then(|| (top / bottom, bottom.sqrt().recip()))
+        let factor = (bottom > 0.0).then(|| top / bottom)?;
+        let lit = || self.pixels.iter().enumerate().filter(|(_, pixel)| pixel.truth.irradiance > 0.0);
+        let left = lit().map(|(p, pixel)| self.weight(p) * (pixel.mean - factor * pixel.truth.irradiance).powi(2));
+        let scatter = left.sum::<f64>() / (lit().count() as f64 - 1.0).max(1.0);
+        Some((factor, (scatter.max(1.0) / bottom).sqrt()))
     }
 }
 

@@ -55,7 +55,7 @@ pub(super) fn variances(data: &Data, truths: &[PixelTruth], ceilings: &[f64]) ->
     if let Some(stated) = &data.stated_variance {
         return Variances { plain: stated.clone(), high: stated.clone() };
     }
-    let reach = reach(data);
+    let reach = reach(data.n_images);
     let (mut plain, mut high) = (Vec::with_capacity(data.n_pixels()), Vec::with_capacity(data.n_pixels()));
     for p in 0..data.n_pixels() {
         let truth = &truths[p];
@@ -76,9 +76,17 @@ pub(super) fn variances(data: &Data, truths: &[PixelTruth], ceilings: &[f64]) ->
 }
 
 /// As few pixels to each side as hold enough squares.
-fn reach(data: &Data) -> usize {
-    let freedom = data.n_images.saturating_sub(1).max(1);
+pub(super) fn reach(n_images: usize) -> usize {
+    let freedom = n_images.saturating_sub(1).max(1);
     (0..FARTHEST).find(|reach| (2 * reach + 1).pow(2) * freedom >= OBSERVATIONS).unwrap_or(FARTHEST)
+}
+
+/// The pixels up to `reach` to each side of one, itself included.
+pub(super) fn around(grid: &PixelGrid, p: usize, reach: usize) -> impl Iterator<Item = usize> {
+    let ([column, row], width) = (grid.place(p), grid.width);
+    let columns = column.saturating_sub(reach)..(column + reach + 1).min(width);
+    let rows = row.saturating_sub(reach)..(row + reach + 1).min(grid.height);
+    rows.flat_map(move |r| columns.clone().map(move |c| r * width + c))
 }
 
 /// Sums over a neighbourhood.
@@ -93,20 +101,13 @@ struct Pool {
 
 impl Pool {
     fn around(data: &Data, truths: &[PixelTruth], p: usize, reach: usize) -> Pool {
-        let [column, row] = data.grid.place(p);
         let mut pool = Pool { squares: 0.0, freedom: 0.0, n: 0.0, fourth: 0.0 };
         let freedom = data.n_images.saturating_sub(1) as f64;
-        for r in row.saturating_sub(reach)..=(row + reach).min(data.grid.height - 1) {
-            for c in column.saturating_sub(reach)..=(column + reach).min(data.grid.width - 1) {
-                let q = r * data.grid.width + c;
-                if truths[q].region != truths[p].region {
-                    continue;
-                }
-                pool.squares += data.squares(q);
-                pool.freedom += freedom;
-                pool.n += data.n_images as f64;
-                pool.fourth += data.fourth_powers(q);
-            }
+        for q in around(&data.grid, p, reach).filter(|q| truths[*q].region == truths[p].region) {
+            pool.squares += data.squares(q);
+            pool.freedom += freedom;
+            pool.n += data.n_images as f64;
+            pool.fourth += data.fourth_powers(q);
         }
         pool
     }
