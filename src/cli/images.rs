@@ -24,6 +24,9 @@ independent images into one array:
     python eclipse/render.py 64
     etendue verify penumbra/eclipse eclipse/independent.npy
 
+Any other renderer: `--for json` writes scene.json (shapes, receiver, height of the camera, points in numbers) and the manifest;
+a script of yours builds the scene, and writes an array [image, row, column] of radiance.
+
 What the renderer cannot express (textures, lamps, mirrors, glass, receivers that are no rectangle, an occluder that touches the
 receiver) is refused by name.
 
@@ -35,6 +38,8 @@ written.";
 pub enum Renderer {
     /// Mitsuba 3, tried with 3.9.1
     Mitsuba,
+    /// The case in numbers, for a script that builds the scene of another renderer
+    Json,
 }
 
 /// Options of `export`.
@@ -106,6 +111,7 @@ fn export_to_end(options: &ExportOptions) -> Result<u8, u8> {
     let order = Order { pixels: options.pixels, samples_per_pixel: options.samples };
     let recipe = match options.renderer {
         Renderer::Mitsuba => recipe::mitsuba(&case.configuration, &case.name, &order),
+        Renderer::Json => recipe::plain(&case.configuration, &case.name, &order),
     };
     let recipe = recipe.map_err(|found| {
         found.iter().for_each(|error: &Inexpressible| {
@@ -179,6 +185,7 @@ pub(super) fn verify(options: &VerifyOptions, case: &Case) -> Result<u8, u8> {
         irradiance_of_value: manifest.irradiance_of_radiance(),
         rho: manifest.rho,
         samples_per_pixel: manifest.samples_per_pixel,
+        first_sample_at_centre: manifest.first_sample_at_centre,
         tolerance,
         ray_epsilon: images.ray_epsilon,
         smallest_bias: terms.smallest_bias.unwrap_or(case.study.smallest_bias),

@@ -41,6 +41,10 @@ pub struct Manifest {
     /// Surfaces that light meets on its way, the source being the first: direct light only.
     pub depth: u32,
     pub filter: String,
+    /// Whether the first of a pixel's samples looks at its middle, whatever the seed: then the mean over images is
+    /// (mean over the footprint · (N − 1) + value in the middle)/N.
+    #[serde(default)]
+    pub first_sample_at_centre: bool,
     pub component_format: String,
     pub channels: Vec<String>,
     pub samples_per_pixel: u64,

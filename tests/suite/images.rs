@@ -105,6 +105,7 @@ fn terms() -> ImageTerms<'static> {
         irradiance_of_value: PI / RHO,
         rho: RHO,
         samples_per_pixel: 64,
+        first_sample_at_centre: false,
         tolerance: 0.0,
         ray_epsilon: None,
         smallest_bias: SmallestBias { mean: 5e-2, point: 0.4 },
@@ -359,7 +360,7 @@ fn a_scene_says_what_the_conventions_ask() {
     let recipe =
         recipe::mitsuba(&case.configuration, "room", &Order { pixels: Some([30, 20]), samples_per_pixel: 16 });
     let recipe = recipe.unwrap();
-    let Manifest { rho, pixels, seeds, ref exitance, ref radiance, depth, .. } = recipe.manifest;
+    let Manifest { rho, pixels, seeds, ref exitance, ref radiance, depth, .. } = recipe.manifest.unwrap();
     assert_eq!((rho, depth, pixels.width, pixels.height), (RHO, 2, 30, 20));
     assert!(seeds.spacing >= 100_003 && exitance[..] == [2.0] && (radiance[0] - 2.0 / PI).abs() < 1e-15);
     // Column 0 is where x begins, row 0 where y ends.

@@ -164,7 +164,7 @@ fn parse(header: &str) -> Result<(Kind, Vec<usize>), String> {
                     .ok_or("`shape` has no parentheses")?;
                 let axes = inside.split(',').map(str::trim).filter(|axis| !axis.is_empty());
                 let axes: Result<Vec<usize>, _> = axes.map(str::parse).collect();
-                shape = Some(axes.map_err(|_| format!("`shape` is ({inside})"))?);
+                shape = Some(axes.map_err(|_| format!("`shape` is ({inside}); accepted: whole numbers"))?);
                 rest = after;
             }
             other => return Err(format!("`{other}` is not known")),
@@ -214,7 +214,7 @@ mod tests {
             ("{'descr': '<i4', 'fortran_order': False, 'shape': (1,)}", "'<i4'"),
             ("{'descr': [('a', '<f4')], 'fortran_order': False, 'shape': (1,)}", "plain type"),
             ("{'descr': '<f4', 'fortran_order': True, 'shape': (1,)}", "True"),
-            ("{'descr': '<f4', 'fortran_order': False, 'shape': (-1,)}", "(-1)"),
+            ("{'descr': '<f4', 'fortran_order': False, 'shape': (-1,)}", "(-1,)"),
             ("{'descr': '<f4', 'fortran_order': False, 'shape': (99999999999999999999,)}", "9999"),
             ("{'descr': '<f4', 'fortran_order': False}", "missing"),
             ("{'descr': 'é', 'fortran_order': False}", "'é'"),

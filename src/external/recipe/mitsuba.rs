@@ -9,74 +9,44 @@
 //!   neighbours: correlation +0.34);
 //! - seeds are far apart: from neighbouring ones, pixels of the next image take up streams of the last.
 
-use std::f64::consts::PI;
 use std::fmt::Write;
 
 use glam::DVec3;
 
-use super::{Inexpressible, Order, Recipe, SEEDS, camera, grid};
+use super::{Inexpressible, Order, Recipe, SEEDS, camera, grid, json, manifest, triangles};
 use crate::configuration::Configuration;
 use crate::external::{Manifest, PixelGrid};
 use crate::geometry::{Frame, Rectangle, Shape};
-use crate::sampling::triangulated;
 
 /// Renders a number of independent images into one stack.
 const RENDER: &str = include_str!("render.py");
-/// Where the case names no albedo, or one of zero, or one that varies.
-const USUAL_RHO: f64 = 0.5;
-
 /// The scene of a case, its manifest, and a script that renders it.
 ///
 /// - error: everything that the scene cannot hold, by name
 pub fn mitsuba(configuration: &Configuration, name: &str, order: &Order) -> Result<Recipe, Vec<Inexpressible>> {
     let (receiver, height) = camera(configuration)?;
     let pixels = grid(configuration, &receiver, order)?;
-    let uniform = configuration.receiver().filter(|receiver| receiver.texture().is_none());
-    let albedo = uniform.and_then(|receiver| receiver.albedo()).map(|albedo| albedo.ratio());
-    let rho = albedo.filter(|albedo| *albedo > 0.0).unwrap_or(USUAL_RHO);
+    let manifest = manifest(configuration, name, "mitsuba", pixels, order);
     let mut files = Vec::new();
-    let mut scene = head(name, &receiver, height, &pixels, order, rho);
-    let mut exitances = Vec::new();
+    let mut scene = head(name, &receiver, height, &manifest);
     for (i, source) in configuration.sources().iter().enumerate() {
-        let exitance = source.exitance().watts_per_square_metre();
-        exitances.push(exitance);
-        let emitter = format!(
-            "        <emitter type=\"area\"><rgb name=\"radiance\" value=\"{:?}\"/></emitter>\n",
-            exitance / PI
-        );
+        let radiance = manifest.radiance[i];
+        let emitter =
+            format!("        <emitter type=\"area\"><rgb name=\"radiance\" value=\"{radiance:?}\"/></emitter>\n");
         shape(&mut scene, &mut files, source.shape(), &format!("source-{i}"), &emitter);
     }
     for (i, occluder) in configuration.occluders().iter().enumerate() {
         shape(&mut scene, &mut files, occluder, &format!("occluder-{i}"), "");
     }
     scene += "</scene>\n";
-    let manifest = Manifest {
-        schema_version: Manifest::SCHEMA_VERSION,
-        generator: format!("etendue {}", env!("CARGO_PKG_VERSION")),
-        renderer: "mitsuba".to_owned(),
-        case: name.to_owned(),
-        digest: configuration.digest().to_string(),
-        units: Manifest::UNITS.to_owned(),
-        radiance: exitances.iter().map(|m| m / PI).collect(),
-        exitance: exitances,
-        rho,
-        pixels,
-        depth: 2,
-        filter: "box".to_owned(),
-        component_format: "float32".to_owned(),
-        channels: ["R", "G", "B"].map(str::to_owned).to_vec(),
-        samples_per_pixel: order.samples_per_pixel,
-        seeds: SEEDS,
-        formula: Manifest::FORMULA.to_owned(),
-    };
     files.push(("scene.xml".to_owned(), scene));
     files.push(("render.py".to_owned(), RENDER.to_owned()));
-    let text = serde_json::to_string_pretty(&manifest).expect("plain data has a text");
-    files.push(("manifest.json".to_owned(), text + "\n"));
-    Ok(Recipe { files, manifest })
+    files.push(("manifest.json".to_owned(), json(&manifest)));
+    Ok(Recipe { files, manifest: Some(manifest) })
 }
 
-fn head(name: &str, receiver: &Rectangle, height: f64, pixels: &PixelGrid, order: &Order, rho: f64) -> String {
+fn head(name: &str, receiver: &Rectangle, height: f64, manifest: &Manifest) -> String {
+    let Manifest { pixels, rho, .. } = manifest;
     let (u, v, normal) = (receiver.edge_u(), receiver.edge_v(), receiver.normal());
     // The film spans ±1 across and ±height/width upwards; scaled, it is the receiver.
     let upwards = v * (0.5 * pixels.width as f64 / pixels.height as f64);
@@ -117,7 +87,7 @@ fn head(name: &str, receiver: &Rectangle, height: f64, pixels: &PixelGrid, order
     </shape>
 ",
         version = env!("CARGO_PKG_VERSION"),
-        spp = order.samples_per_pixel,
+        spp = manifest.samples_per_pixel,
         seed = SEEDS.first,
         near = 1e-3 * height,
         far = 2.0 * height,
@@ -144,10 +114,7 @@ fn shape(scene: &mut String, files: &mut Vec<(String, String)>, shape: &Shape, i
             ("sphere", format!("        {center}<float name=\"radius\" value=\"{:?}\"/>\n", sphere.radius()))
         }
         Shape::Polygon(polygon) => {
-            let frame = Frame::around(polygon.normal());
-            let flat = polygon.vertices().iter().map(|v| [v.dot(frame.tangent), v.dot(frame.bitangent)]);
-            let triangles = triangulated(&flat.collect::<Vec<_>>());
-            files.push((format!("{id}.obj"), obj(polygon.vertices(), triangles)));
+            files.push((format!("{id}.obj"), obj(polygon.vertices(), triangles(polygon))));
             ("obj", mesh_file(id))
         }
         Shape::Mesh(mesh) => {

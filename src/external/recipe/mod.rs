@@ -1,6 +1,10 @@
 //! A case as a scene of another renderer: what it can hold, and where the camera stands.
+//!
+//! [`mitsuba`] writes a scene that Mitsuba reads as it is; [`plain`] writes the case in numbers, for a script that builds the
+//! scene of any other renderer from them.
 
 mod mitsuba;
+mod plain;
 
 use glam::DVec3;
 use thiserror::Error;
@@ -8,9 +12,11 @@ use thiserror::Error;
 use super::manifest::{Manifest, Seeds};
 use super::pixels::PixelGrid;
 use crate::configuration::{Configuration, Lamp, ReceiverShape};
-use crate::geometry::{Rectangle, Shape};
+use crate::geometry::{Frame, Polygon, Rectangle, Shape};
+use crate::sampling::triangulated;
 
 pub use mitsuba::mitsuba;
+pub use plain::plain;
 
 /// What an export is to look like.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,7 +31,8 @@ pub struct Order {
 pub struct Recipe {
     /// In the order in which they are to be written; `manifest.json` is the last.
     pub files: Vec<(String, String)>,
-    pub manifest: Manifest,
+    /// `None` where the receiver is no rectangle, so that no image can be of it.
+    pub manifest: Option<Manifest>,
 }
 
 /// What a scene of another renderer cannot hold.
@@ -55,6 +62,19 @@ const SEEDS: Seeds = Seeds { first: 1, spacing: 1_000_003 };
 
 /// The receiver and the height of the camera above it, metres; everything that stands in the way, at once.
 fn camera(configuration: &Configuration) -> Result<(Rectangle, f64), Vec<Inexpressible>> {
+    let mut found = beyond_direct_light(configuration);
+    let receiver = receiver(configuration).map_err(|kind| found.push(Inexpressible::Receiver { kind }));
+    let height = receiver.map(|receiver| camera_height(configuration, &receiver).map(|height| (receiver, height)));
+    match height {
+        Ok(Ok(camera)) if found.is_empty() => return Ok(camera),
+        Ok(Err(no_room)) => found.extend(no_room),
+        _ => {}
+    }
+    Err(found)
+}
+
+/// What is more than shapes that shine evenly and shapes that stand in the way.
+fn beyond_direct_light(configuration: &Configuration) -> Vec<Inexpressible> {
     let mut found = Vec::new();
     let thing = |what, index, why| Inexpressible::Thing { what, index, why };
     for (i, source) in configuration.contents().sources.iter().enumerate() {
@@ -76,21 +96,30 @@ fn camera(configuration: &Configuration) -> Result<(Rectangle, f64), Vec<Inexpre
     if configuration.contents().sources.is_empty() {
         found.push(Inexpressible::NoSource);
     }
-    let receiver = match configuration.receiver().map(|receiver| receiver.shape()) {
-        Some(ReceiverShape::Rectangle(receiver)) => Some(*receiver),
-        Some(ReceiverShape::Disk(_)) => refuse(&mut found, "a disk"),
-        Some(ReceiverShape::Triangle(_)) => refuse(&mut found, "a triangle"),
-        Some(ReceiverShape::Sphere(_)) => refuse(&mut found, "a sphere"),
-        None => refuse(&mut found, "not named (measured are points of their own)"),
-    };
-    let Some(receiver) = receiver else { return Err(found) };
+    found
+}
+
+/// The receiver if it is a rectangle, else what it is.
+fn receiver(configuration: &Configuration) -> Result<Rectangle, &'static str> {
+    match configuration.receiver().map(|receiver| receiver.shape()) {
+        Some(ReceiverShape::Rectangle(receiver)) => Ok(*receiver),
+        Some(ReceiverShape::Disk(_)) => Err("a disk"),
+        Some(ReceiverShape::Triangle(_)) => Err("a triangle"),
+        Some(ReceiverShape::Sphere(_)) => Err("a sphere"),
+        None => Err("not named (measured are points of their own)"),
+    }
+}
+
+/// Half way between the receiver and what is lowest above it, metres.
+fn camera_height(configuration: &Configuration, receiver: &Rectangle) -> Result<f64, Vec<Inexpressible>> {
+    let mut found = Vec::new();
     let sources = configuration.sources().iter().map(|source| source.shape());
     let shapes = sources.enumerate().map(|(i, shape)| ("source", i, shape));
     let occluders = configuration.occluders().iter().enumerate().map(|(i, shape)| ("occluder", i, shape));
+    let size = receiver.edge_u().length().max(receiver.edge_v().length());
     let mut lowest = f64::INFINITY;
     for (role, index, shape) in shapes.chain(occluders) {
-        let Some([low, high]) = heights_above(shape, &receiver) else { continue };
-        let size = receiver.edge_u().length().max(receiver.edge_v().length());
+        let Some([low, high]) = heights_above(shape, receiver) else { continue };
         if high < -CLEARANCE * size {
             continue; // Wholly behind the receiver: in nobody's way.
         }
@@ -101,21 +130,15 @@ fn camera(configuration: &Configuration) -> Result<(Rectangle, f64), Vec<Inexpre
         }
         lowest = lowest.min(low);
     }
-    if !found.is_empty() {
-        return Err(found);
+    match found.is_empty() {
+        // With nothing above the receiver any height will do.
+        true => Ok(if lowest.is_finite() { 0.5 * lowest } else { receiver.edge_u().length() }),
+        false => Err(found),
     }
-    // With nothing above the receiver any height will do.
-    let height = if lowest.is_finite() { 0.5 * lowest } else { receiver.edge_u().length() };
-    Ok((receiver, height))
 }
 
 /// Nearer than this to the receiver, in units of its size, there is no room for single precision.
 const CLEARANCE: f64 = 1e-4;
-
-fn refuse(found: &mut Vec<Inexpressible>, kind: &'static str) -> Option<Rectangle> {
-    found.push(Inexpressible::Receiver { kind });
-    None
-}
 
 /// The least and the greatest height over the receiver's plane, metres, of what may lie over the receiver; `None` of what
 /// lies beside it.
@@ -155,4 +178,52 @@ fn grid(configuration: &Configuration, receiver: &Rectangle, order: &Order) -> R
     let usual = [u, v].map(|edge| (32.0 * edge / u.max(v)).round().max(1.0) as usize);
     let [width, height] = order.pixels.unwrap_or(usual);
     PixelGrid::of_receiver(configuration, [width, height]).ok_or(vec![Inexpressible::Pixels { width, height }])
+}
+
+/// Where the case names no albedo, or one of zero, or one that varies.
+const USUAL_RHO: f64 = 0.5;
+
+/// Reflectance of the receiver in the scene, above zero.
+fn reflectance(configuration: &Configuration) -> f64 {
+    let uniform = configuration.receiver().filter(|receiver| receiver.texture().is_none());
+    let albedo = uniform.and_then(|receiver| receiver.albedo()).map(|albedo| albedo.ratio());
+    albedo.filter(|albedo| *albedo > 0.0).unwrap_or(USUAL_RHO)
+}
+
+/// What the images of a scene will be.
+fn manifest(configuration: &Configuration, name: &str, renderer: &str, pixels: PixelGrid, order: &Order) -> Manifest {
+    let exitance: Vec<f64> =
+        configuration.sources().iter().map(|source| source.exitance().watts_per_square_metre()).collect();
+    Manifest {
+        schema_version: Manifest::SCHEMA_VERSION,
+        generator: format!("etendue {}", env!("CARGO_PKG_VERSION")),
+        renderer: renderer.to_owned(),
+        case: name.to_owned(),
+        digest: configuration.digest().to_string(),
+        units: Manifest::UNITS.to_owned(),
+        radiance: exitance.iter().map(|m| m / std::f64::consts::PI).collect(),
+        exitance,
+        rho: reflectance(configuration),
+        pixels,
+        depth: 2,
+        filter: "box".to_owned(),
+        first_sample_at_centre: false,
+        component_format: "float32".to_owned(),
+        channels: ["R", "G", "B"].map(str::to_owned).to_vec(),
+        samples_per_pixel: order.samples_per_pixel,
+        seeds: SEEDS,
+        formula: Manifest::FORMULA.to_owned(),
+    }
+}
+
+/// A polygon as triangles, which wind as it does.
+fn triangles(polygon: &Polygon) -> Vec<[usize; 3]> {
+    let frame = Frame::around(polygon.normal());
+    let flat = polygon.vertices().iter().map(|v| [v.dot(frame.tangent), v.dot(frame.bitangent)]);
+    triangulated(&flat.collect::<Vec<_>>())
+}
+
+/// A file of plain data.
+fn json(value: &impl serde::Serialize) -> String {
+    serde_json::to_string_pretty(value).expect("plain data has a text") + "\n"
 }

@@ -26,6 +26,15 @@ pub struct PixelTruth {
     pub shifted: f64,
 }
 
+impl PixelTruth {
+    /// What is due where the first of N samples looks at the middle: (mean · (N − 1) + middle)/N.
+    pub(super) fn lean_on_the_middle(&mut self, samples: u64) {
+        let share = 1.0 / samples as f64;
+        self.irradiance += share * (self.middle - self.irradiance);
+        self.bound *= 1.0 - share;
+    }
+}
+
 /// How finely means are worth knowing: what the images' noise is.
 #[derive(Clone, Debug)]
 pub(super) struct Noise {

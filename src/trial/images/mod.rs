@@ -46,6 +46,8 @@ pub struct ImageTerms<'a> {
     pub rho: f64,
     /// Samples that each pixel's value is the mean of.
     pub samples_per_pixel: u64,
+    /// Whether the first of them looks at the middle of the pixel, whatever the seed.
+    pub first_sample_at_centre: bool,
     /// Relative; no less than [`LEAST_TOLERANCE`] counts.
     pub tolerance: f64,
     /// Metres by which a renderer may move the start of a shadow ray, and with it the edge of a shadow; `None`: 10⁻⁴ of the
@@ -206,7 +208,10 @@ pub fn judge_images(case: &Case, grid: &PixelGrid, stack: &Stack, terms: &ImageT
     let oracle = Oracle::new(&case.configuration);
     let ray_epsilon = terms.ray_epsilon.unwrap_or_else(|| usual_epsilon(grid));
     let noise = exact::Noise::of(stack, terms.irradiance_of_value);
-    let truths = exact::truths(&oracle, grid, ray_epsilon, &noise);
+    let mut truths = exact::truths(&oracle, grid, ray_epsilon, &noise);
+    if terms.first_sample_at_centre {
+        truths.iter_mut().for_each(|truth| truth.lean_on_the_middle(terms.samples_per_pixel));
+    }
     let on_exact = begin.elapsed().as_secs_f64();
     let data = Data::new(*grid, stack, terms, &truths);
     let most = spread::ceilings(&case.configuration, grid, &truths, terms.samples_per_pixel);
