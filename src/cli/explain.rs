@@ -297,6 +297,12 @@ verify: images of another renderer, held against the exact irradiance.
              one channel; each part an image; a channel named variance). Row 0 is the top one
   manifest   what the pixels are: the case's digest, the place of each on the receiver, rho; E = pi L / rho
 
+Another renderer: `export --for json` writes the case in numbers and the same manifest. One whose first sample of a pixel always
+looks at its middle says so in the manifest: \"first_sample_at_centre\": true.
+
+Without randomness: `verify CASE estimates.csv --converging` takes estimates (point,replicate,samples,value) at three efforts or
+more (column samples), and judges where they go: twice what the last changes leave is allowed for. Report: levels.csv, limits.csv.
+
 What is judged, each by the gate of `explain verdict`:
   bias        a pixel has the exact mean over its footprint, not the value in its middle. In this order: the mean and the
               regions (lit, penumbra, umbra, edge); 15 contrasts of up to three half waves across and downwards; places: squares of

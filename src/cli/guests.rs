@@ -7,13 +7,17 @@ use std::time::Duration;
 
 use clap::Args;
 
-use super::commands::{GENERATOR, conclude, fault, select};
+use super::commands::{GENERATOR, conclude, fault, print, select};
 use super::{exit, options};
 use crate::case::{Case, Replicates, SmallestBias};
 use crate::guest::{self, GuestError, PointSets, Program};
 use crate::report::{self, ReportOptions};
 use crate::sampling::Strategy;
-use crate::trial::{CaseOutcome, Effort, Invitation, Leaning, NotJudged, Overrides, RunOutcome, Settings, quoted};
+use crate::statistics::Verdict;
+use crate::trial::{
+    CaseOutcome, ConvergenceTerms, Effort, Invitation, Leaning, NoConvergence, NotJudged, Overrides, RunOutcome,
+    Settings, judge_convergence, quoted,
+};
 
 /// Estimates that were judged, as `verify` reads them.
 const ESTIMATES: &str = "estimates.csv";
@@ -33,7 +37,8 @@ Their manifest is named, or lies beside the first as manifest.json. A report goe
 
 A CSV holds lines  point,replicate,samples,value  in any order, after a header or none: points as `etendue exact CASE` numbers
 them, every replicate with a value for every point. The first quarter of the replicates tells how the estimates spread
-(unless --variance random says it), the others are judged.
+(unless --variance random says it), the others are judged. A witness without randomness is judged by --converging, from
+estimates at three efforts or more (column samples).
 
 `etendue explain verify` says more.
 
@@ -101,6 +106,9 @@ pub struct VerifyOptions {
     /// Images, or CSV files of estimates; several are put together
     #[arg(value_name = "FILE", required = true)]
     pub(super) files: Vec<PathBuf>,
+    /// The CSV holds a witness without randomness at several efforts (column samples): judge where it goes as they grow
+    #[arg(long)]
+    converging: bool,
     #[command(flatten)]
     pub(super) images: super::images::ImageOptions,
     #[command(flatten)]
@@ -250,11 +258,47 @@ fn verify_to_end(options: &VerifyOptions) -> Result<u8, u8> {
     // A file is judged without random numbers of ours.
     let bias = terms.smallest_bias.map_or(String::new(), |b| format!(" --smallest-bias {},{}", b.mean, b.point));
     let reproduce = format!("etendue verify {} {}{bias}{}", quoted(&case.selector), paths.join(" "), terms.words());
+    let out = &options.images.out;
+    if options.converging {
+        return converging(&case, terms, &name, &reproduce, files, out);
+    }
     let invitation = Invitation { name: &name, leaning: terms.variance, reproduce: reproduce.clone() };
+    report::claim(out).map_err(|error| fault(exit::OUTPUT, error))?;
     let outcome = guest::judge_estimates(&case, &settings, &invitation, files)
         .map_err(|error| fault(code_of(&error), &error))?;
     let outcome = RunOutcome { seed: settings.seed, command: reproduce, cases: vec![outcome] };
-    conclude(&outcome, None, false, terms.allow_undecided)
+    report::write(out, &outcome, &ReportOptions { generator: GENERATOR, plots: true })
+        .map_err(|error| fault(exit::OUTPUT, error))?;
+    conclude(&outcome, Some(out), false, terms.allow_undecided)
+}
+
+fn converging(
+    case: &Case,
+    terms: &Terms,
+    name: &str,
+    reproduce: &str,
+    files: &[PathBuf],
+    out: &Path,
+) -> Result<u8, u8> {
+    let given = guest::read_estimates(files, case.configuration.points().len())
+        .map_err(|error| fault(code_of(&error), &error))?;
+    let judged = ConvergenceTerms {
+        name,
+        reproduce: format!("{reproduce} --converging"),
+        tolerance: case.study.tolerance,
+        smallest_bias: terms.smallest_bias.unwrap_or(case.study.smallest_bias),
+    };
+    let outcome = judge_convergence(case, &given, &judged).map_err(|error| {
+        let code = if matches!(error, NoConvergence::NoLight { .. }) { exit::NOTHING } else { exit::USAGE };
+        fault(code, error)
+    })?;
+    report::write_convergence(out, &outcome).map_err(|error| fault(exit::OUTPUT, error))?;
+    print(&report::convergence_table(&outcome, out))?;
+    Ok(match outcome.verdict.verdict {
+        Verdict::Fail => exit::FAILED,
+        Verdict::Undecided if !terms.allow_undecided => exit::UNDECIDED,
+        _ => exit::PASSED,
+    })
 }
 
 fn code_of(error: &GuestError) -> u8 {

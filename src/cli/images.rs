@@ -74,9 +74,9 @@ pub struct ImageOptions {
     /// Metres by which the renderer may move the start of a shadow ray; pixels nearer to a shadow's edge are told apart
     #[arg(long, value_name = "METRES", value_parser = metres)]
     ray_epsilon: Option<f64>,
-    /// Folder for the report on images
+    /// Folder for the report
     #[arg(long, value_name = "DIR", default_value = "reports/verify")]
-    out: PathBuf,
+    pub(super) out: PathBuf,
 }
 
 fn pixels(text: &str) -> Result<[usize; 2], String> {

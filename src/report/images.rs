@@ -9,7 +9,7 @@ use super::column::{Column, Table};
 use super::folder::{claim_files, write_whole};
 use crate::statistics::Verdict;
 use crate::statistics::evidence::THRESHOLD_LOG10;
-use crate::trial::{ImagesOutcome, Part, Pixel};
+use crate::trial::{ImagesOutcome, JudgedProperty, Part, Pixel};
 
 /// Files of a report on images.
 const FILES: [&str; 6] = ["pixels.csv", "regions.csv", "verdict.json", "junit.xml", "z.png", "difference.png"];
@@ -29,7 +29,7 @@ pub fn write_images(dir: &Path, outcome: &ImagesOutcome) -> Result<Vec<PathBuf>,
     regions().write(outcome.parts.iter().map(|part| (outcome, part)), &mut content)?;
     tables.push(("regions.csv", content));
     tables.push(("verdict.json", json_of(outcome).into_bytes()));
-    tables.push(("junit.xml", junit(outcome).into_bytes()));
+    tables.push(("junit.xml", junit(&outcome.case, &outcome.name, &outcome.verdicts).into_bytes()));
     #[cfg(feature = "plots")]
     for (name, map) in [("z.png", z_map(outcome)), ("difference.png", difference_map(outcome))] {
         let bytes = super::plot::picture_of(&map.pixels, map.size);
@@ -56,7 +56,7 @@ fn region_name(pixel: &Pixel) -> &'static str {
     pixel.truth.region.map_or("edge", |region| region.name())
 }
 
-fn column<R>(
+pub(super) fn column<R>(
     name: &'static str,
     unit: &'static str,
     meaning: &'static str,
@@ -127,7 +127,7 @@ pub(super) fn regions<'a>() -> Table<(&'a ImagesOutcome, &'a Part)> {
     }
 }
 
-fn word(verdict: Option<Verdict>) -> &'static str {
+pub(super) fn word(verdict: Option<Verdict>) -> &'static str {
     match verdict {
         Some(Verdict::Pass) => "pass",
         Some(Verdict::Fail) => "fail",
@@ -136,27 +136,32 @@ fn word(verdict: Option<Verdict>) -> &'static str {
     }
 }
 
+/// What documents say of one verdict; numbers that are not finite are left out.
+pub(super) fn verdict_json(judged: &JudgedProperty) -> serde_json::Value {
+    json!({
+        "property": judged.property,
+        "verdict": word(Some(judged.verdict)),
+        "evidence_log10": judged.evidence,
+        "threshold_log10": THRESHOLD_LOG10,
+        "effect": judged.effect,
+        "effect_low": judged.effect_low,
+        "effect_high": judged.effect_high,
+        "smallest_bias_mean": judged.smallest_bias_mean,
+        "smallest_bias_place": judged.smallest_bias_point,
+        "words": judged.words,
+        "note": judged.note,
+        "reproduce": judged.reproduce,
+    })
+}
+
+/// A document of plain values.
+pub(super) fn document(value: &serde_json::Value) -> String {
+    // It always has a text.
+    serde_json::to_string_pretty(value).unwrap_or_default() + "\n"
+}
+
 fn json_of(outcome: &ImagesOutcome) -> String {
-    let verdicts: Vec<_> = outcome
-        .verdicts
-        .iter()
-        .map(|judged| {
-            json!({
-                "property": judged.property,
-                "verdict": word(Some(judged.verdict)),
-                "evidence_log10": judged.evidence,
-                "threshold_log10": THRESHOLD_LOG10,
-                "effect": judged.effect,
-                "effect_low": judged.effect_low,
-                "effect_high": judged.effect_high,
-                "smallest_bias_mean": judged.smallest_bias_mean,
-                "smallest_bias_place": judged.smallest_bias_point,
-                "words": judged.words,
-                "note": judged.note,
-                "reproduce": judged.reproduce,
-            })
-        })
-        .collect();
+    let verdicts: Vec<_> = outcome.verdicts.iter().map(verdict_json).collect();
     let cause = outcome.cause.as_ref();
     let document = json!({
         "schema_version": 1,
@@ -175,8 +180,7 @@ fn json_of(outcome: &ImagesOutcome) -> String {
         "cause": cause.map(|cause| json!({ "name": cause.name, "words": cause.words, "explained": cause.explained })),
         "notes": outcome.notes,
     });
-    // A document of plain values always has a text.
-    serde_json::to_string_pretty(&document).unwrap_or_default() + "\n"
+    self::document(&document)
 }
 
 fn escaped(text: &str) -> String {
@@ -196,17 +200,17 @@ fn escaped(text: &str) -> String {
 }
 
 /// JUnit's form: a test case for each verdict.
-fn junit(outcome: &ImagesOutcome) -> String {
-    let count = |verdict| outcome.verdicts.iter().filter(|judged| judged.verdict == verdict).count();
+pub(super) fn junit(case: &str, name: &str, verdicts: &[JudgedProperty]) -> String {
+    let count = |verdict| verdicts.iter().filter(|judged| judged.verdict == verdict).count();
     let mut text = format!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n  <testsuite name=\"{}\" tests=\"{}\" failures=\"{}\" errors=\"0\" skipped=\"{}\">\n",
-        escaped(&outcome.case),
-        outcome.verdicts.len(),
+        escaped(case),
+        verdicts.len(),
         count(Verdict::Fail),
         count(Verdict::Undecided)
     );
-    for judged in &outcome.verdicts {
-        let (class, name, words) = (escaped(&outcome.case), escaped(&outcome.name), escaped(&judged.words));
+    for judged in verdicts {
+        let (class, name, words) = (escaped(case), escaped(name), escaped(&judged.words));
         text += &format!("    <testcase classname=\"{class}\" name=\"{name}: {}\"", judged.property);
         text += &match judged.verdict {
             Verdict::Pass => "/>\n".to_owned(),
@@ -215,6 +219,13 @@ fn junit(outcome: &ImagesOutcome) -> String {
         };
     }
     text + "  </testsuite>\n</testsuites>\n"
+}
+
+/// What the terminal is told of one verdict.
+pub(super) fn verdict_lines(judged: &JudgedProperty) -> String {
+    let name = word(Some(judged.verdict)).to_uppercase();
+    let note = judged.note.as_ref().map_or(String::new(), |note| format!("           {note}\n"));
+    format!("{name:<9}  {}: {}\n{note}", judged.property, judged.words)
 }
 
 /// What the terminal is told.
@@ -257,17 +268,7 @@ pub fn images_table(outcome: &ImagesOutcome, report: Option<&Path>) -> String {
         text += &if relative.is_finite() { format!(" ({:+.2} %)\n", 100.0 * relative) } else { "\n".to_owned() };
     }
     text.push('\n');
-    for judged in &outcome.verdicts {
-        let name = match judged.verdict {
-            Verdict::Pass => "PASS",
-            Verdict::Fail => "FAIL",
-            Verdict::Undecided => "UNDECIDED",
-        };
-        text += &format!("{name:<9}  {}: {}\n", judged.property, judged.words);
-        if let Some(note) = &judged.note {
-            text += &format!("           {note}\n");
-        }
-    }
+    outcome.verdicts.iter().for_each(|judged| text += &verdict_lines(judged));
     for note in &outcome.notes {
         text += &format!("note       {note}\n");
     }

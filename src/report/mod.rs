@@ -12,6 +12,7 @@
 
 mod calibration;
 mod column;
+mod converge;
 mod error;
 mod exact;
 #[cfg(feature = "plots")]
@@ -42,6 +43,7 @@ use std::path::{Path, PathBuf};
 use crate::trial::RunOutcome;
 
 pub use calibration::{calibration_reference, calibration_table, claim_calibration, write_calibration};
+pub use converge::{convergence_table, write_convergence};
 pub use error::ReportError;
 pub use exact::{ExactCase, write_exact};
 pub use folder::claim;
@@ -137,6 +139,8 @@ the tables.)*
         limits::limits().described(),
         images::pixels().described(),
         images::regions().described(),
+        converge::levels().described(),
+        converge::points().described(),
     ]
     .join("\n")
 }

@@ -5,6 +5,7 @@
 //! its key, and their results are merged in the order of the list: one thread or many give the same bytes.
 
 mod accept;
+mod converge;
 mod correlation;
 mod forecast;
 mod guest;
@@ -29,6 +30,7 @@ mod run;
 mod settings;
 mod spread;
 
+pub use converge::{ConvergenceOutcome, ConvergenceTerms, Level, NoConvergence, judge_convergence};
 pub use forecast::{Forecast, forecast};
 pub use guest::{
     Asked, AskedCell, FEWEST_PILOT_REPLICATES, Invitation, NotJudged, Take, judge_answers, judge_given, judge_guest,

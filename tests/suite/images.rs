@@ -397,6 +397,55 @@ fn npy(path: &Path, [k, h, w]: [usize; 3], values: &[f64]) {
     std::fs::write(path, bytes).unwrap();
 }
 
+/// What a script needs to build the scene of any renderer.
+#[test]
+fn a_case_is_told_in_numbers() {
+    let order = Order { pixels: Some([8, 4]), samples_per_pixel: 16 };
+    let case = Case::shipped("penumbra/eclipse").unwrap();
+    let told = recipe::plain(&case.configuration, &case.name, &order).unwrap();
+    let scene: serde_json::Value = serde_json::from_str(&told.files[0].1).unwrap();
+    assert_eq!(scene["sources"][0]["kind"], "disk");
+    assert_eq!(scene["sources"][0]["radius"], 0.5);
+    assert_eq!(scene["sources"][0]["radiance"], 1.0 / PI);
+    assert_eq!(scene["occluders"][0]["center"], serde_json::json!([0.0, 0.0, 1.0]));
+    assert_eq!(scene["camera_height"], 0.5);
+    assert_eq!(scene["points"].as_array().unwrap().len(), case.configuration.points().len());
+    // The same pixels, seeds and numbers as any other export has.
+    let mitsuba = recipe::mitsuba(&case.configuration, &case.name, &order).unwrap().manifest.unwrap();
+    let manifest = told.manifest.unwrap();
+    assert_eq!(manifest, Manifest { renderer: "external".to_owned(), ..mitsuba });
+    let l_shape = Case::shipped("direct/l-shaped-source").unwrap();
+    let told = recipe::plain(&l_shape.configuration, "l", &order).unwrap();
+    let scene: serde_json::Value = serde_json::from_str(&told.files[0].1).unwrap();
+    let source = &scene["sources"][0];
+    let n = source["vertices"].as_array().unwrap().len();
+    assert_eq!(source["triangles"].as_array().unwrap().len(), n - 2);
+    let refused = recipe::plain(&Case::shipped("caustic/cup").unwrap().configuration, "cup", &order).unwrap_err();
+    assert!(refused.iter().any(|error| error.to_string().contains("mirror 0")), "{refused:?}");
+}
+
+#[test]
+fn a_first_sample_in_the_middle_is_allowed_for() {
+    let mut planter = Planter::new("a_first_sample_in_the_middle_is_allowed_for", false, [6, 6]);
+    let outcome = {
+        let exact = planter.exact.clone();
+        let stack = planter.images(2, &exact);
+        planter.judged(&stack)
+    };
+    let leaning = |p: usize| {
+        let truth = outcome.pixels[p].truth;
+        (truth.irradiance + (truth.middle - truth.irradiance) / 2.0) * RHO / PI
+    };
+    let wrong: Vec<f64> = (0..36).map(leaning).collect();
+    let stack = planter.images(4000, &wrong);
+    let judged = |first_sample_at_centre| {
+        let terms = ImageTerms { samples_per_pixel: 2, first_sample_at_centre, ..terms() };
+        judge_images(&planter.case, &planter.grid, &stack, &terms)
+    };
+    assert_eq!(of(&judged(true), "bias").verdict, Verdict::Pass);
+    assert_eq!(of(&judged(false), "bias").verdict, Verdict::Fail);
+}
+
 /// The whole way by the command line: a scene, images beside its manifest, a verdict, a report.
 #[cfg(feature = "cli")]
 #[test]

@@ -119,9 +119,12 @@ fn the_example_in_c_passes_as_it_is_written() {
         .args(["verify", "penumbra/eclipse", "--variance", "random"])
         .args(QUICK)
         .arg(folder.path().join("c/estimates.csv"))
+        .arg("--out")
+        .arg(folder.path().join("d"))
         .assert()
         .code(0)
         .stdout(contains("PASS"));
+    assert!(folder.path().join("d/verdicts.csv").is_file());
 }
 
 #[test]
@@ -256,7 +259,13 @@ fn answers_that_came_before_a_fault_are_kept_and_can_be_judged() {
             .and(contains("70 answers, in whole replicates, are kept: etendue verify"))
             .and(contains(kept.to_str().unwrap())),
     );
-    etendue().args(["verify", &room.case]).arg(&kept).assert().stdout(contains("file:estimates"));
+    etendue()
+        .args(["verify", &room.case])
+        .arg(&kept)
+        .arg("--out")
+        .arg(room.path("again"))
+        .assert()
+        .stdout(contains("file:estimates"));
 }
 
 #[test]
@@ -303,9 +312,58 @@ fn questions_can_be_taken_away_and_answers_brought_back() {
         ("\x00", 2, "this is no text"),
     ] {
         let file = room.file("mine.csv", text);
-        etendue().args(["verify", &room.case, &file]).assert().code(code).stdout(is_empty()).stderr(contains(said));
+        etendue()
+            .args(["verify", &room.case, &file, "--out"])
+            .arg(room.path("again"))
+            .assert()
+            .code(code)
+            .stdout(is_empty())
+            .stderr(contains(said));
     }
-    etendue().args(["verify", &room.case, "/no/such.csv"]).assert().code(2).stderr(contains("/no/such.csv"));
+    etendue()
+        .args(["verify", &room.case, "/no/such.csv", "--out"])
+        .arg(room.path("again"))
+        .assert()
+        .code(2)
+        .stderr(contains("/no/such.csv"));
+}
+
+#[test]
+fn a_witness_without_randomness_is_judged_by_where_it_goes() {
+    let room = Room::new();
+    let case = etendue::Case::read(std::path::Path::new(&room.case)).unwrap();
+    let oracle = etendue::oracle::Oracle::new(&case.configuration);
+    let due = case.configuration.points().iter().map(|p| oracle.at(p).irradiance.watts_per_square_metre());
+    let due: Vec<f64> = due.collect();
+    let estimates = |limit: f64| -> String {
+        let of = |n: u64| (0..2).map(move |p| (n, p));
+        let lines = [8, 16, 32, 64, 128, 256, 512]
+            .into_iter()
+            .flat_map(of)
+            .map(|(n, p)| format!("{p},0,{n},{}\n", due[p] * (limit + 0.3 / n as f64)));
+        lines.collect()
+    };
+    for (limit, code, said) in [(1.0, 0, "converges"), (1.02, 1, "settles off the exact value"), (f64::NAN, 2, "NaN")]
+    {
+        let file = room.file("lattice.csv", &estimates(limit));
+        let out = room.path("lattice");
+        let assert = etendue().args(["verify", &room.case, &file, "--converging", "--out"]).arg(&out).assert();
+        if code == 2 {
+            assert.code(2).stdout(is_empty()).stderr(contains(said));
+            continue;
+        }
+        assert.code(code).stdout(contains("file:lattice").and(contains(said)));
+        for name in ["levels.csv", "limits.csv", "verdict.json", "junit.xml"] {
+            assert!(out.join(name).is_file(), "{name}");
+        }
+    }
+    let file = room.file("one.csv", "0,0,4,0.1\n1,0,4,0.1\n");
+    etendue()
+        .args(["verify", &room.case, &file, "--converging", "--out"])
+        .arg(room.path("again"))
+        .assert()
+        .code(2)
+        .stderr(contains("convergence shows from 3 on"));
 }
 
 #[test]

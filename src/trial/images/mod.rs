@@ -106,7 +106,8 @@ pub struct ImagesOutcome {
     /// The middle of each pixel, metres.
     pub places: Vec<[f64; 3]>,
     pub parts: Vec<Part>,
-    /// The exact side's mean bound over the standard error of the mean; and the largest of the same of single pixels.
+    /// The exact side's mean bound over the standard error of the mean; and the largest bound of a pixel over the standard
+    /// error of a pixel, root mean square over all.
     pub footprint_error: [f64; 2],
     pub neighbour_correlation: Option<[f64; 2]>,
     pub image_correlation: Option<f64>,
@@ -323,12 +324,14 @@ fn parts(pixels: &[Pixel], evidences: &[(usize, f64)], has_spread: bool) -> Vec<
     members.iter().enumerate().filter_map(part).collect()
 }
 
-/// How far the exact means may be off, in standard errors: of the whole mean, and of the worst pixel that spreads.
+/// How far the exact means may be off, in standard errors: of the whole mean; and of the worst pixel, in those of a pixel as
+/// pixels are on the whole (root mean square).
 fn footprint_error(pixels: &[Pixel], all: Option<&Part>) -> [f64; 2] {
     let ratio = |bound: f64, error: f64| if error > 0.0 { bound / error } else { 0.0 };
     let whole = all.map_or(0.0, |all| ratio(all.exact_bound, all.std_error));
-    let worst = pixels.iter().map(|pixel| ratio(pixel.truth.bound, pixel.std_error)).fold(0.0, f64::max);
-    [whole, worst]
+    let squares = pixels.iter().map(|pixel| pixel.std_error.powi(2)).sum::<f64>();
+    let usual = (squares / pixels.len() as f64).sqrt();
+    [whole, pixels.iter().map(|pixel| ratio(pixel.truth.bound, usual)).fold(0.0, f64::max)]
 }
 
 /// A verdict of this room.

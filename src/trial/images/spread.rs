@@ -76,13 +76,13 @@ pub(super) fn variances(data: &Data, truths: &[PixelTruth], ceilings: &[f64]) ->
 }
 
 /// As few pixels to each side as hold enough squares.
-pub(super) fn reach(n_images: usize) -> usize {
+fn reach(n_images: usize) -> usize {
     let freedom = n_images.saturating_sub(1).max(1);
     (0..FARTHEST).find(|reach| (2 * reach + 1).pow(2) * freedom >= OBSERVATIONS).unwrap_or(FARTHEST)
 }
 
 /// The pixels up to `reach` to each side of one, itself included.
-pub(super) fn around(grid: &PixelGrid, p: usize, reach: usize) -> impl Iterator<Item = usize> {
+fn around(grid: &PixelGrid, p: usize, reach: usize) -> impl Iterator<Item = usize> {
     let ([column, row], width) = (grid.place(p), grid.width);
     let columns = column.saturating_sub(reach)..(column + reach + 1).min(width);
     let rows = row.saturating_sub(reach)..(row + reach + 1).min(grid.height);
