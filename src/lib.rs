@@ -96,13 +96,18 @@
 //! Variances are predicted ([`oracle::variance`]) for all techniques and for independent and stratified points. For other
 //! point sets those of a pilot run of its own streams plan and judge, taken on the high side.
 #![forbid(unsafe_code)]
+// What the slim build leaves out has helpers here and there; the build with all features says what nobody uses.
+#![cfg_attr(not(feature = "studies"), allow(dead_code))]
 
+#[cfg(feature = "studies")]
 pub mod calibration;
 pub mod case;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod configuration;
+mod errors;
 pub mod estimator;
+#[cfg(feature = "studies")]
 pub mod external;
 pub mod eye;
 pub mod geometry;
@@ -110,18 +115,23 @@ pub mod guest;
 pub mod light;
 mod number;
 pub mod oracle;
+#[cfg(feature = "studies")]
 pub mod path;
 pub mod radiometry;
+#[cfg(feature = "studies")]
 pub mod report;
 pub mod sampling;
 pub mod scene;
 pub mod statistics;
 pub mod texture;
+mod threads;
 pub mod trial;
 
 pub use case::Case;
 pub use configuration::Configuration;
-pub use estimator::{AreaEstimator, IrradianceEstimator, PointSampler};
+#[cfg(feature = "studies")]
+pub use estimator::AreaEstimator;
+pub use estimator::{IrradianceEstimator, PointSampler};
 pub use guest::judge;
 pub use oracle::{Oracle, Truth};
 pub use sampling::{Draws, Strategy};
