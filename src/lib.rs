@@ -71,8 +71,17 @@
 //!
 //! # Features
 //!
-//! `cli` (the program) and `plots` are on by default. A library user writes
-//! `etendue = { version = "0.1", default-features = false }` and has everything but those.
+//! | feature | what it brings |
+//! |---|---|
+//! | `cli` (default) | the program; takes `studies` |
+//! | `plots` (default) | variance curves, profiles and pictures as SVG, PNG and EXR; takes `studies` |
+//! | `studies` | everything else: `trial::run` and its tables, other techniques, rays from the light, eye paths, pictures, other renderers, programs and files of estimates, patches, limits, derivatives, PNG textures; takes `fast` |
+//! | `fast` | rayon's threads (else those of the standard library), obvhs's hierarchies over meshes (else halved ones): the same numbers, sooner |
+//!
+//! Without any it is the slim build, for who judges a sampler or an estimator in `cargo test`
+//! (`etendue = { version = "0.1", default-features = false }`): [`judge`], cases in code and from files, the exact side at a
+//! point, predicted variances. A camera of a case is read there and not asked whether it stands free; a picture as a texture
+//! is an error that names the feature. Intervals of variances and correlations, which no verdict rests on, agree to 1e-8.
 //!
 //! # Limits
 //!
@@ -96,13 +105,18 @@
 //! Variances are predicted ([`oracle::variance`]) for all techniques and for independent and stratified points. For other
 //! point sets those of a pilot run of its own streams plan and judge, taken on the high side.
 #![forbid(unsafe_code)]
+// What the slim build leaves out has left helpers here and there. The build with all features tells what nobody uses.
+#![cfg_attr(not(feature = "studies"), allow(dead_code))]
 
+#[cfg(feature = "studies")]
 pub mod calibration;
 pub mod case;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod configuration;
+mod errors;
 pub mod estimator;
+#[cfg(feature = "studies")]
 pub mod external;
 pub mod eye;
 pub mod geometry;
@@ -110,18 +124,23 @@ pub mod guest;
 pub mod light;
 mod number;
 pub mod oracle;
+#[cfg(feature = "studies")]
 pub mod path;
 pub mod radiometry;
+#[cfg(feature = "studies")]
 pub mod report;
 pub mod sampling;
 pub mod scene;
 pub mod statistics;
 pub mod texture;
+mod threads;
 pub mod trial;
 
 pub use case::Case;
 pub use configuration::Configuration;
-pub use estimator::{AreaEstimator, IrradianceEstimator, PointSampler};
+#[cfg(feature = "studies")]
+pub use estimator::AreaEstimator;
+pub use estimator::{IrradianceEstimator, PointSampler};
 pub use guest::judge;
 pub use oracle::{Oracle, Truth};
 pub use sampling::{Draws, Strategy};

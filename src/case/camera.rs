@@ -5,8 +5,9 @@ use glam::DVec3;
 use super::error::CaseError;
 use super::schema::{self, Key};
 use super::walk::{Log, Node};
+#[cfg(feature = "studies")]
 use crate::configuration::Configuration;
-use crate::eye::{Camera, EyeError, Projection, View};
+use crate::eye::{Camera, EyeError, Projection};
 
 const KINDS: [&str; 2] = ["orthographic", "perspective"];
 const PIXELS: [usize; 2] = [640, 480];
@@ -40,9 +41,10 @@ pub(super) fn camera(node: &Node, log: &mut Log) -> Option<Camera> {
     }
 }
 
-/// Notes a camera that stands inside of something.
+/// Notes a camera that stands inside of something. Who takes no pictures does not ask.
+#[cfg(feature = "studies")]
 pub(super) fn place(node: &Node, camera: &Camera, room: &Configuration, log: &mut Log) {
-    if let Err(error) = View::Camera(*camera).stands_free(room) {
+    if let Err(error) = crate::eye::View::Camera(*camera).stands_free(room) {
         log.add(node.span_of(schema::EYE.name), CaseError::Camera(error));
     }
 }

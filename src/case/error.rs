@@ -4,106 +4,109 @@ use std::fmt;
 use std::ops::Range;
 use std::sync::Arc;
 
-use thiserror::Error;
-
 use super::obj::ObjError;
 use super::place::Place;
 use super::schema::{self, Table};
 use crate::configuration::ConfigurationError;
+use crate::errors::errors;
 use crate::eye::EyeError;
 use crate::geometry::ShapeError;
 use crate::radiometry::RadiometryError;
 use crate::texture::TextureError;
 
-/// One thing that is wrong with a case file.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum CaseError {
-    /// In the words of the TOML parser.
-    #[error("this is not TOML: {said}")]
-    Syntax { said: String },
-    #[error("{more} more places are not TOML; the first ones are listed")]
-    MoreSyntax { more: usize },
-    #[error("the file cannot be read: {said}")]
-    Unreadable { said: String },
-    #[error("the file is larger than {} MiB, the most that is accepted: it would not fit into memory with all that it describes", limit >> 20)]
-    TooLarge { limit: u64 },
-    #[error("the file is not UTF-8 text")]
-    NotText,
-    #[error("{table} has no key `{said}`")]
-    UnknownKey { table: String, said: String, accepted: Vec<&'static str>, nearest: Option<&'static str> },
-    #[error("`{key}` is not supported by this version yet")]
-    NotYet { key: String },
-    #[error("{table} lacks the key `{key}`: {expected}")]
-    MissingKey { table: String, key: &'static str, expected: String },
-    #[error("`{key}` is {said}; {expected} is accepted")]
-    WrongType { key: String, said: &'static str, expected: &'static str },
-    #[error("`{key}` is \"{said}\"; accepted: {}", accepted.join(", "))]
-    UnknownName { key: String, said: String, accepted: Vec<&'static str>, nearest: Option<&'static str> },
-    #[error("`{key}` has {said} {what}; {expected} are accepted")]
-    Length { key: String, what: &'static str, said: usize, expected: usize },
-    #[error("`{key}` is {said}; every number is finite")]
-    NotFinite { key: String, said: f64 },
-    #[error("`{key}` is {said:e}; no number lies beyond ±{:e}", schema::MAX_MAGNITUDE)]
-    TooFar { key: String, said: f64 },
-    #[error("`{key}` is {said}; {accepted}")]
-    Number { key: String, said: f64, accepted: &'static str },
-    #[error("`{key}` is {said}; an integer from {least} to {most} is accepted")]
-    Count { key: String, said: String, least: u64, most: u64 },
-    #[error("`{key}` is empty; it names at least one")]
-    Empty { key: String },
-    #[error("`{key}` lists {said} twice")]
-    Twice { key: String, said: String },
-    #[error("{said} {what}; at most {limit} are accepted: more would not fit into memory")]
-    TooMany { what: &'static str, said: u128, limit: u64 },
-    #[error("[{table}]: {error}")]
-    Shape { table: &'static str, error: ShapeError },
-    #[error("[{table}]: {error}")]
-    Lamp { table: &'static str, error: RadiometryError },
-    #[error("[{table}]: the area is {said:e} m²; {:e} to {:e} m² is accepted", schema::MIN_AREA, schema::MAX_MAGNITUDE * schema::MAX_MAGNITUDE)]
-    Area { table: &'static str, said: f64 },
-    #[error("`{file}` {fault}")]
-    MeshFile { file: String, fault: MeshFileFault },
-    #[error("the mesh `{file}` is broken: {error}")]
-    Mesh { file: String, error: ObjError },
-    #[error("`{key}`: {error}")]
-    Texture { key: String, error: TextureError },
-    #[error("`{key}` describes no texture; it has one of {}", accepted.join(", "))]
-    NoTexture { key: String, accepted: Vec<&'static str> },
-    #[error("`{key}` has both `{first}` and `{second}`; one is accepted")]
-    TwoTextures { key: String, first: &'static str, second: &'static str },
-    #[error("`{key}` is for {accepted}; this is a {shape}")]
-    ForeignKey { key: String, accepted: &'static str, shape: &'static str },
-    #[error("a texture lies on a rectangle, a disk, a triangle or a sphere; this polygon has {said} vertices")]
-    NoMap { said: usize },
-    #[error("`{file}` is no picture that can be read: {said}")]
-    Picture { file: String, said: String },
-    #[error("[receiver] has no shape; accepted: {}", accepted.join(", "))]
-    NoReceiverShape { accepted: Vec<&'static str> },
-    #[error("[receiver] has a second shape, `{said}`; one is accepted")]
-    SecondReceiverShape { said: &'static str },
-    #[error("`measure.{key}` needs a [receiver] to lie on")]
-    NoReceiver { key: &'static str },
-    #[error("`measure.line` runs from a point to itself; its ends differ")]
-    LineWithoutLength,
-    #[error("[camera]: {0}")]
-    Camera(EyeError),
-    #[error(transparent)]
-    Configuration(ConfigurationError),
+errors! {
+    /// One thing that is wrong with a case file.
+    #[derive(Clone, Debug, PartialEq)]
+    #[non_exhaustive]
+    pub enum CaseError {
+        /// In the words of the TOML parser.
+        #[error("this is not TOML: {said}")]
+        Syntax { said: String },
+        #[error("{more} more places are not TOML; the first ones are listed")]
+        MoreSyntax { more: usize },
+        #[error("the file cannot be read: {said}")]
+        Unreadable { said: String },
+        #[error("the file is larger than {} MiB, the most that is accepted: it would not fit into memory with all that it describes", limit >> 20)]
+        TooLarge { limit: u64 },
+        #[error("the file is not UTF-8 text")]
+        NotText,
+        #[error("{table} has no key `{said}`")]
+        UnknownKey { table: String, said: String, accepted: Vec<&'static str>, nearest: Option<&'static str> },
+        #[error("`{key}` is not supported by this version yet")]
+        NotYet { key: String },
+        #[error("{table} lacks the key `{key}`: {expected}")]
+        MissingKey { table: String, key: &'static str, expected: String },
+        #[error("`{key}` is {said}; {expected} is accepted")]
+        WrongType { key: String, said: &'static str, expected: &'static str },
+        #[error("`{key}` is \"{said}\"; accepted: {}", accepted.join(", "))]
+        UnknownName { key: String, said: String, accepted: Vec<&'static str>, nearest: Option<&'static str> },
+        #[error("`{key}` has {said} {what}; {expected} are accepted")]
+        Length { key: String, what: &'static str, said: usize, expected: usize },
+        #[error("`{key}` is {said}; every number is finite")]
+        NotFinite { key: String, said: f64 },
+        #[error("`{key}` is {said:e}; no number lies beyond ±{:e}", schema::MAX_MAGNITUDE)]
+        TooFar { key: String, said: f64 },
+        #[error("`{key}` is {said}; {accepted}")]
+        Number { key: String, said: f64, accepted: &'static str },
+        #[error("`{key}` is {said}; an integer from {least} to {most} is accepted")]
+        Count { key: String, said: String, least: u64, most: u64 },
+        #[error("`{key}` is empty; it names at least one")]
+        Empty { key: String },
+        #[error("`{key}` lists {said} twice")]
+        Twice { key: String, said: String },
+        #[error("{said} {what}; at most {limit} are accepted: more would not fit into memory")]
+        TooMany { what: &'static str, said: u128, limit: u64 },
+        #[error("[{table}]: {error}")]
+        Shape { table: &'static str, error: ShapeError },
+        #[error("[{table}]: {error}")]
+        Lamp { table: &'static str, error: RadiometryError },
+        #[error("[{table}]: the area is {said:e} m²; {:e} to {:e} m² is accepted", schema::MIN_AREA, schema::MAX_MAGNITUDE * schema::MAX_MAGNITUDE)]
+        Area { table: &'static str, said: f64 },
+        #[error("`{file}` {fault}")]
+        MeshFile { file: String, fault: MeshFileFault },
+        #[error("the mesh `{file}` is broken: {error}")]
+        Mesh { file: String, error: ObjError },
+        #[error("`{key}`: {error}")]
+        Texture { key: String, error: TextureError },
+        #[error("`{key}` describes no texture; it has one of {}", accepted.join(", "))]
+        NoTexture { key: String, accepted: Vec<&'static str> },
+        #[error("`{key}` has both `{first}` and `{second}`; one is accepted")]
+        TwoTextures { key: String, first: &'static str, second: &'static str },
+        #[error("`{key}` is for {accepted}; this is a {shape}")]
+        ForeignKey { key: String, accepted: &'static str, shape: &'static str },
+        #[error("a texture lies on a rectangle, a disk, a triangle or a sphere; this polygon has {said} vertices")]
+        NoMap { said: usize },
+        #[error("`{file}` is no picture that can be read: {said}")]
+        Picture { file: String, said: String },
+        #[error("[receiver] has no shape; accepted: {}", accepted.join(", "))]
+        NoReceiverShape { accepted: Vec<&'static str> },
+        #[error("[receiver] has a second shape, `{said}`; one is accepted")]
+        SecondReceiverShape { said: &'static str },
+        #[error("`measure.{key}` needs a [receiver] to lie on")]
+        NoReceiver { key: &'static str },
+        #[error("`measure.line` runs from a point to itself; its ends differ")]
+        LineWithoutLength,
+        #[error("[camera]: {0}")]
+        Camera(EyeError),
+        #[error(transparent)]
+        Configuration(ConfigurationError),
+    }
 }
 
-/// What keeps a mesh file from being read.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum MeshFileFault {
-    #[error("is an absolute path; a path relative to the case file is accepted")]
-    Absolute,
-    #[error("leaves the folder of the cases; a path inside it is accepted")]
-    Outside,
-    #[error("cannot be read: {said}")]
-    Unreadable { said: String },
-    #[error("is larger than {} MiB, the most that is accepted: it would not fit into memory", limit >> 20)]
-    TooLarge { limit: u64 },
+errors! {
+    /// What keeps a mesh file from being read.
+    #[derive(Clone, Debug, PartialEq)]
+    #[non_exhaustive]
+    pub enum MeshFileFault {
+        #[error("is an absolute path; a path relative to the case file is accepted")]
+        Absolute,
+        #[error("leaves the folder of the cases; a path inside it is accepted")]
+        Outside,
+        #[error("cannot be read: {said}")]
+        Unreadable { said: String },
+        #[error("is larger than {} MiB, the most that is accepted: it would not fit into memory", limit >> 20)]
+        TooLarge { limit: u64 },
+    }
 }
 
 impl CaseError {

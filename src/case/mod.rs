@@ -28,9 +28,11 @@ mod folder;
 mod measure;
 pub mod obj;
 mod optics;
+#[cfg_attr(not(feature = "studies"), path = "no_picture.rs")]
 mod picture;
 mod place;
 mod read;
+#[cfg_attr(not(feature = "studies"), path = "plain.rs")]
 mod render;
 pub mod schema;
 mod select;

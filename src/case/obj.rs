@@ -7,40 +7,42 @@
 //! else.
 
 use glam::DVec3;
-use thiserror::Error;
 
 use super::schema::{MAX_MAGNITUDE, MAX_TRIANGLES};
+use crate::errors::errors;
 use crate::geometry::{Mesh, ShapeError};
 
 /// How far a corner may lie off its face's plane, or turn the wrong way, in units of the face's size.
 const FLAT: f64 = 1e-6;
 
-/// Why OBJ text was refused; lines count from 1.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum ObjError {
-    #[error(
-        "line {line}: `{said}` is no OBJ statement that a mesh of triangles needs; v and f are read, vn vt g o s usemtl mtllib skipped"
-    )]
-    Statement { line: usize, said: String },
-    #[error("line {line}: `{said}` is not a finite number of at most 1e30 in magnitude")]
-    Number { line: usize, said: String },
-    #[error("line {line}: a vertex with {said} numbers; it has 3 (x y z), 4 (with a weight) or 6 (with a colour)")]
-    VertexNumbers { line: usize, said: usize },
-    #[error("line {line}: a face with {said} corners; it has at least 3")]
-    FaceCorners { line: usize, said: usize },
-    #[error("line {line}: `{said}` is no corner of a face; v, v/vt, v//vn and v/vt/vn are understood")]
-    Corner { line: usize, said: String },
-    #[error("line {line}: a corner names vertex {said}, but {vertices} vertices stand above it")]
-    NoSuchVertex { line: usize, said: i64, vertices: usize },
-    #[error("line {line}: a face of {corners} corners that is not flat and convex; cut it into triangles")]
-    NotFlatAndConvex { line: usize, corners: usize },
-    #[error("line {line}: more than {MAX_TRIANGLES} triangles; more would not fit into memory")]
-    TooManyTriangles { line: usize },
-    #[error("it has no face")]
-    NoFace,
-    #[error(transparent)]
-    Shape(#[from] ShapeError),
+errors! {
+    /// Why OBJ text was refused; lines count from 1.
+    #[derive(Clone, Debug, PartialEq)]
+    #[non_exhaustive]
+    pub enum ObjError {
+        #[error(
+            "line {line}: `{said}` is no OBJ statement that a mesh of triangles needs; v and f are read, vn vt g o s usemtl mtllib skipped"
+        )]
+        Statement { line: usize, said: String },
+        #[error("line {line}: `{said}` is not a finite number of at most 1e30 in magnitude")]
+        Number { line: usize, said: String },
+        #[error("line {line}: a vertex with {said} numbers; it has 3 (x y z), 4 (with a weight) or 6 (with a colour)")]
+        VertexNumbers { line: usize, said: usize },
+        #[error("line {line}: a face with {said} corners; it has at least 3")]
+        FaceCorners { line: usize, said: usize },
+        #[error("line {line}: `{said}` is no corner of a face; v, v/vt, v//vn and v/vt/vn are understood")]
+        Corner { line: usize, said: String },
+        #[error("line {line}: a corner names vertex {said}, but {vertices} vertices stand above it")]
+        NoSuchVertex { line: usize, said: i64, vertices: usize },
+        #[error("line {line}: a face of {corners} corners that is not flat and convex; cut it into triangles")]
+        NotFlatAndConvex { line: usize, corners: usize },
+        #[error("line {line}: more than {MAX_TRIANGLES} triangles; more would not fit into memory")]
+        TooManyTriangles { line: usize },
+        #[error("it has no face")]
+        NoFace,
+        #[error(transparent)]
+        Shape(#[from] ShapeError),
+    }
 }
 
 /// The mesh that OBJ text describes. Bytes that are no UTF-8 may stand in comments and names.

@@ -141,6 +141,7 @@ fn case(file: &CaseFile, text: &str, log: &mut Log) -> Option<Case> {
     };
     let contents = Contents { sources, lamps, occluders, mirrors, glass, diffuse, receiver, ..Contents::default() };
     let configuration = configuration(&places, contents, measured, log)?;
+    #[cfg(feature = "studies")]
     if let (Some(node), Some(camera)) = (&camera_node, &camera) {
         camera::place(node, camera, &configuration, log);
     }

@@ -1,9 +1,8 @@
 //! Finding cases by file, folder or name.
 
 use std::collections::{BTreeMap, HashSet};
+use std::fmt;
 use std::path::{Path, PathBuf};
-
-use thiserror::Error;
 
 use super::error::{CaseError, CaseErrors};
 use super::folder::{Folder, ReadFault, read_file};
@@ -11,20 +10,23 @@ use super::read::{CaseFile, read, whole_file};
 use super::shipped::{Shipped, shipped};
 use super::spelling;
 use super::{Case, Ink, schema};
+use crate::errors::errors;
 
-/// Why a selection gave no cases. On the command line `Nothing` is exit code 4, the others 2.
-#[derive(Debug, Error)]
-#[non_exhaustive]
-pub enum SelectError {
-    /// Files with mistakes, each with all of its own.
-    #[error("{}", rendered(files, Ink::Plain))]
-    Faulty { files: Vec<CaseErrors> },
-    /// Selectors that are no file, no folder with a case in it, and no part of a shipped case's name.
-    #[error("{}", unmatched.iter().map(Unmatched::to_string).collect::<Vec<_>>().join("\n"))]
-    Nothing { unmatched: Vec<Unmatched> },
-    /// Results are kept by name, so two different files cannot share one.
-    #[error("two cases are called `{name}`: {first} and {second}; give the folder that holds both, or rename one")]
-    SameName { name: String, first: String, second: String },
+errors! {
+    /// Why a selection gave no cases. On the command line `Nothing` is exit code 4, the others 2.
+    #[derive(Debug)]
+    #[non_exhaustive]
+    pub enum SelectError {
+        /// Files with mistakes, each with all of its own.
+        #[error("{}", rendered(files, Ink::Plain))]
+        Faulty { files: Vec<CaseErrors> },
+        /// Selectors that are no file, no folder with a case in it, and no part of a shipped case's name.
+        #[error("{}", unmatched.iter().map(Unmatched::to_string).collect::<Vec<_>>().join("\n"))]
+        Nothing { unmatched: Vec<Unmatched> },
+        /// Results are kept by name, so two different files cannot share one.
+        #[error("two cases are called `{name}`: {first} and {second}; give the folder that holds both, or rename one")]
+        SameName { name: String, first: String, second: String },
+    }
 }
 
 impl SelectError {
@@ -42,13 +44,22 @@ fn rendered(files: &[CaseErrors], ink: Ink) -> String {
 }
 
 /// A selector that names nothing, and shipped cases that may have been meant.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("`{selector}` {why}{}", if nearest.is_empty() { String::new() } else { format!("; nearest: {}", nearest.join(", ")) })]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unmatched {
     pub selector: String,
     pub why: &'static str,
     pub nearest: Vec<&'static str>,
 }
+
+impl fmt::Display for Unmatched {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Unmatched { selector, why, nearest } = self;
+        write!(f, "`{selector}` {why}")?;
+        if nearest.is_empty() { Ok(()) } else { write!(f, "; nearest: {}", nearest.join(", ")) }
+    }
+}
+
+impl std::error::Error for Unmatched {}
 
 /// The cases that the selectors name, without repetition, in the order of the selectors; without a selector, all
 /// shipped cases.

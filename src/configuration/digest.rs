@@ -3,8 +3,8 @@
 use std::fmt;
 
 use glam::DVec3;
-use sha2::{Digest as _, Sha256};
 
+use super::sha256::Sha256;
 use super::{Configuration, Contents, GlassShape, Lamp, MirrorShape, ReceiverShape};
 use crate::geometry::{Rectangle, Shape, Sphere};
 use crate::texture::{ExitancePolynomial, Lookup, Texture};
@@ -41,7 +41,7 @@ impl Digest {
         if !(room.lamps.is_empty() && room.mirrors.is_empty() && room.glass.is_empty() && room.diffuse.is_empty()) {
             content.lamps_and_optics(room);
         }
-        Digest(content.0.finalize().into())
+        Digest(content.0.finalize())
     }
 
     /// The first 64 bits, as a number to key random streams with.
@@ -70,11 +70,11 @@ impl Content {
         self.0.update(text.as_bytes());
     }
     fn count(&mut self, n: usize) {
-        self.0.update((n as u64).to_le_bytes());
+        self.0.update(&(n as u64).to_le_bytes());
     }
     fn number(&mut self, x: f64) {
         // −0.0 and 0.0 are the same length.
-        self.0.update((x + 0.0).to_bits().to_le_bytes());
+        self.0.update(&(x + 0.0).to_bits().to_le_bytes());
     }
     fn vector(&mut self, v: DVec3) {
         v.to_array().into_iter().for_each(|c| self.number(c));
@@ -100,7 +100,7 @@ impl Content {
             Shape::Mesh(s) => {
                 self.vectors(s.vertices());
                 self.count(s.triangles().len());
-                s.triangles().iter().flatten().for_each(|index| self.0.update(index.to_le_bytes()));
+                s.triangles().iter().flatten().for_each(|index| self.0.update(&index.to_le_bytes()));
             }
         }
     }

@@ -7,6 +7,7 @@ mod diffuse;
 mod digest;
 mod optic;
 mod receiver;
+mod sha256;
 mod validate;
 
 use std::sync::Arc;

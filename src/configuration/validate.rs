@@ -1,86 +1,88 @@
 //! Mistakes that no single shape can see.
 
 use glam::DVec3;
-use thiserror::Error;
 
 use super::Contents;
+use crate::errors::errors;
 use crate::geometry::{Frame, Polygon, Shape};
 use crate::texture::TextureError;
 
 /// A point this near to a surface, in units of the coordinates at hand, is on it: its distance is rounding.
 const ON_SURFACE: f64 = 8.0 * f64::EPSILON;
 
-/// Why a configuration was refused.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum ConfigurationError {
-    #[error("exitance is {said} W/m²; it is a finite number, zero or greater")]
-    Exitance { said: f64 },
-    #[error("albedo is {said}; it lies between 0 and 1")]
-    Albedo { said: f64 },
-    #[error(transparent)]
-    Texture(TextureError),
-    #[error("a mesh cannot be a source; sources are disk, rectangle, polygon or sphere")]
-    MeshSource,
-    #[error("the case has no source; it needs at least one [[source.SHAPE]]")]
-    NoSource,
-    #[error("reflectance is {said}; it lies between 0 and 1")]
-    Reflectance { said: f64 },
-    #[error("ior is {said}; an index of refraction is finite, 1 or greater")]
-    Ior { said: f64 },
-    #[error("inward is true of a flat shape; only a sphere can be an enclosure")]
-    InwardFlat,
-    #[error(
-        "transmittance is {said} beside an albedo of {albedo}; shares are zero or greater, both together at most 1, and the albedo of a shade is below 1"
-    )]
-    Transmittance { said: f64, albedo: f64 },
-    #[error("only a sphere with inward = true that emits nothing lets light through")]
-    NoShade,
-    #[error(
-        "glass {first} and glass {second} (counted from 0, in the order of the file) cut into each other; pieces of glass stand apart"
-    )]
-    GlassOverlap { first: usize, second: usize },
-    #[error("{role} {index} (counted from 0) reaches out of the enclosure; whatever there is lies inside of it")]
-    OutsideEnclosure {
-        /// `source`, `occluder`, `mirror`, `glass`, `diffuse`, `receiver` or `measurement point`.
-        role: &'static str,
-        index: usize,
-    },
-    #[error(
-        "{role} {index} (a {kind}, counted from 0) may stand between measurement point {point}{others} and source {source_index}: what a {kind} leaves visible of a source has no closed form; measure elsewhere, or light it by a lamp (source.point, source.beam)",
-        others = if *others > 0 { format!(" (and {others} more)") } else { String::new() }
-    )]
-    CurvedBefore {
-        /// The first such point.
-        point: usize,
-        /// Further points behind the same optic.
-        others: usize,
-        /// `mirror` or `glass`.
-        role: &'static str,
-        index: usize,
-        kind: &'static str,
-        source_index: usize,
-    },
-    #[error("there is nothing to measure; [measure] needs a line, a grid or at least one [[measure.point]]")]
-    NothingToMeasure,
-    #[error(
-        "measurement point {point}{others} lies exactly on {role} {index} (a {kind}); all counted from 0: the irradiance there is undefined",
-        others = if *others > 0 { format!(" (and {others} more)") } else { String::new() }
-    )]
-    PointOnSurface {
-        /// The first such point.
-        point: usize,
-        /// Further points on the same surface.
-        others: usize,
-        /// `source`, `occluder`, `mirror`, `glass` or `diffuse`.
-        role: &'static str,
-        index: usize,
-        kind: &'static str,
-    },
-    #[error("the line's end `{end}` lies {distance:.3e} m off the receiver; a line runs on the receiver")]
-    OffReceiver { end: &'static str, distance: f64 },
-    #[error("the line's ends are opposite points of the sphere; no shorter arc joins them")]
-    AmbiguousArc,
+errors! {
+    /// Why a configuration was refused.
+    #[derive(Clone, Debug, PartialEq)]
+    #[non_exhaustive]
+    pub enum ConfigurationError {
+        #[error("exitance is {said} W/m²; it is a finite number, zero or greater")]
+        Exitance { said: f64 },
+        #[error("albedo is {said}; it lies between 0 and 1")]
+        Albedo { said: f64 },
+        #[error(transparent)]
+        Texture(TextureError),
+        #[error("a mesh cannot be a source; sources are disk, rectangle, polygon or sphere")]
+        MeshSource,
+        #[error("the case has no source; it needs at least one [[source.SHAPE]]")]
+        NoSource,
+        #[error("reflectance is {said}; it lies between 0 and 1")]
+        Reflectance { said: f64 },
+        #[error("ior is {said}; an index of refraction is finite, 1 or greater")]
+        Ior { said: f64 },
+        #[error("inward is true of a flat shape; only a sphere can be an enclosure")]
+        InwardFlat,
+        #[error(
+            "transmittance is {said} beside an albedo of {albedo}; shares are zero or greater, both together at most 1, and the albedo of a shade is below 1"
+        )]
+        Transmittance { said: f64, albedo: f64 },
+        #[error("only a sphere with inward = true that emits nothing lets light through")]
+        NoShade,
+        #[error(
+            "glass {first} and glass {second} (counted from 0, in the order of the file) cut into each other; pieces of glass stand apart"
+        )]
+        GlassOverlap { first: usize, second: usize },
+        #[error("{role} {index} (counted from 0) reaches out of the enclosure; whatever there is lies inside of it")]
+        OutsideEnclosure {
+            /// `source`, `occluder`, `mirror`, `glass`, `diffuse`, `receiver` or `measurement point`.
+            role: &'static str,
+            index: usize,
+        },
+        #[error(
+            "{role} {index} (a {kind}, counted from 0) may stand between measurement point {point}{others} and source {source_index}: what a {kind} leaves visible of a source has no closed form; measure elsewhere, or light it by a lamp (source.point, source.beam)",
+            others = if *others > 0 { format!(" (and {others} more)") } else { String::new() }
+        )]
+        CurvedBefore {
+            /// The first such point.
+            point: usize,
+            /// Further points behind the same optic.
+            others: usize,
+            /// `mirror` or `glass`.
+            role: &'static str,
+            index: usize,
+            kind: &'static str,
+            source_index: usize,
+        },
+        #[error("there is nothing to measure; [measure] needs a line, a grid or at least one [[measure.point]]")]
+        NothingToMeasure,
+        #[error(
+            "measurement point {point}{others} lies exactly on {role} {index} (a {kind}); all counted from 0: the irradiance there is undefined",
+            others = if *others > 0 { format!(" (and {others} more)") } else { String::new() }
+        )]
+        PointOnSurface {
+            /// The first such point.
+            point: usize,
+            /// Further points on the same surface.
+            others: usize,
+            /// `source`, `occluder`, `mirror`, `glass` or `diffuse`.
+            role: &'static str,
+            index: usize,
+            kind: &'static str,
+        },
+        #[error("the line's end `{end}` lies {distance:.3e} m off the receiver; a line runs on the receiver")]
+        OffReceiver { end: &'static str, distance: f64 },
+        #[error("the line's ends are opposite points of the sphere; no shorter arc joins them")]
+        AmbiguousArc,
+    }
 }
 
 /// All of them.

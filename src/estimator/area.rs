@@ -9,85 +9,27 @@
 //! Everything is f64. Sample k adds to lane k mod 8; the lanes are added pairwise at the end, so that the sum does not
 //! depend on the width of the instruction set.
 
-use std::f64::consts::PI;
 use std::num::NonZero;
-use std::sync::Arc;
 
-use glam::DVec3;
-
-use super::draws::add_lanes;
+use super::emitter::{Emitter, Scratch, add_lanes, emitters};
+use super::width::{Arch, NullaryFnOnce};
 use super::{Estimator, Job};
-use crate::configuration::{Configuration, MeasurementPoint, Source};
-use crate::sampling::{
-    BLOCK, LANES, Lanes, Pattern, Row, Squares, StreamKey, Surface, SurfaceBlock, fill_side_by_side, groups,
-};
-use crate::scene::{Blocker, ShadowRays, Surroundings};
-use crate::texture::Texture;
+use crate::configuration::Configuration;
+use crate::sampling::{BLOCK, LANES, Lanes, Pattern, Squares, StreamKey, SurfaceBlock, fill_side_by_side};
+use crate::scene::Surroundings;
 
 /// Estimates irradiance at any point of a configuration.
 pub struct AreaEstimator {
     emitters: Vec<Emitter>,
-    arch: pulp::Arch,
-}
-
-/// A source, and what can come between it and a shading point.
-pub(super) struct Emitter {
-    surface: Surface,
-    /// Area × exitance / π, W/sr; of a textured source area / π, the exitance being read at each place.
-    strength: f64,
-    texture: Option<Arc<Texture>>,
-    blockers: Vec<Arc<Blocker>>,
-}
-
-/// Working memory of one thread; its size does not depend on the number of samples.
-#[derive(Default)]
-pub struct Scratch {
-    squares: Squares,
-    places: SurfaceBlock,
-    shading: Shading,
-    /// One sum of lanes for each point, where points are shared.
-    sums: Vec<[f64; LANES]>,
-    /// Keys of estimates side by side.
-    keys: Vec<StreamKey>,
-}
-
-/// Rays of one block from one point, and what each brings.
-pub(super) struct Shading {
-    rays: ShadowRays,
-    contributions: Row,
-}
-
-impl Default for Shading {
-    fn default() -> Shading {
-        Shading { rays: ShadowRays::default(), contributions: [[0.0; LANES]; BLOCK / LANES] }
-    }
+    arch: Arch,
 }
 
 impl AreaEstimator {
     /// Prepares surfaces and hierarchies.
     pub fn new(configuration: &Configuration) -> AreaEstimator {
         let emitters = emitters(configuration, &Surroundings::new(configuration));
-        AreaEstimator { emitters, arch: pulp::Arch::new() }
+        AreaEstimator { emitters, arch: Arch::new() }
     }
-}
-
-/// The sources, each with what stands before it.
-pub(super) fn emitters(configuration: &Configuration, surroundings: &Surroundings) -> Vec<Emitter> {
-    let emitters = configuration.sources().iter().enumerate().map(|(own, source)| {
-        let surface = Surface::new(source.shape()).expect("a source is no mesh");
-        Emitter {
-            strength: surface.area() * uniform_exitance(source) / PI,
-            texture: source.texture().cloned(),
-            surface,
-            blockers: surroundings.before(own),
-        }
-    });
-    emitters.collect()
-}
-
-/// W/m²; 1 where the exitance is read at each place instead.
-pub(super) fn uniform_exitance(source: &Source) -> f64 {
-    if source.texture().is_some() { 1.0 } else { source.exitance().watts_per_square_metre() }
 }
 
 impl Estimator for AreaEstimator {
@@ -110,7 +52,7 @@ struct Estimate<'a, 'b> {
     estimates: &'a mut [f64],
 }
 
-impl pulp::NullaryFnOnce for Estimate<'_, '_> {
+impl NullaryFnOnce for Estimate<'_, '_> {
     type Output = ();
 
     #[inline(always)]
@@ -245,124 +187,11 @@ impl Place<'_> {
     }
 }
 
-impl Shading {
-    /// cosθᵢ cosθₛ / r² · Vis of one point, per square metre.
-    #[inline(always)]
-    pub(super) fn contribution(&self, group: usize, lane: usize) -> f64 {
-        self.contributions[group][lane]
-    }
-
-    /// Adds a block's contributions to the lanes of a sum.
-    #[inline(always)]
-    fn add_to(&self, sum: &mut [f64; LANES], len: usize) {
-        for group in &self.contributions[..groups(len)] {
-            for (sum, contribution) in sum.iter_mut().zip(group) {
-                *sum += contribution;
-            }
-        }
-    }
-}
-
-impl Emitter {
-    /// Square metres.
-    pub(super) fn area(&self) -> f64 {
-        self.surface.area()
-    }
-
-    /// Area × exitance / π, W/sr; area / π where the exitance is read at each place.
-    pub(super) fn strength(&self) -> f64 {
-        self.strength
-    }
-
-    /// Puts the first `len` points of a block on the source.
-    #[inline(always)]
-    pub(super) fn place(&self, squares: &Squares, len: usize, places: &mut SurfaceBlock) {
-        self.surface.place(squares, len, places);
-    }
-
-    /// The exitance at a place of a block, W/m²; 1 where that is no matter of the place.
-    pub(super) fn texture_at(&self, places: &SurfaceBlock, group: usize, lane: usize) -> f64 {
-        let Some(texture) = &self.texture else { return 1.0 };
-        let offset = DVec3::new(places.x[group][lane], places.y[group][lane], places.z[group][lane]);
-        texture.at(self.surface.origin() + offset)
-    }
-
-    /// Sets the contributions of one block of source points to cosθᵢ cosθₛ / r² · Vis.
-    #[expect(
-        clippy::needless_range_loop,
-        reason = "one index over several rows is what the compiler makes vectors of"
-    )]
-    #[inline(always)]
-    pub(super) fn illuminate(
-        &self,
-        point: &MeasurementPoint,
-        places: &SurfaceBlock,
-        len: usize,
-        shading: &mut Shading,
-    ) {
-        let offset = self.surface.origin() - point.position();
-        let normal = point.normal();
-        let Shading { rays, contributions } = shading;
-        for g in 0..groups(len) {
-            for l in 0..LANES {
-                rays.x[g][l] = offset.x + places.x[g][l];
-                rays.y[g][l] = offset.y + places.y[g][l];
-                rays.z[g][l] = offset.z + places.z[g][l];
-            }
-        }
-        if let Some(source_normal) = self.surface.flat_normal() {
-            // r cosθₛ is the height of the point over the source's plane, the same for the whole source.
-            let height = (-offset.dot(source_normal)).max(0.0);
-            for g in 0..groups(len) {
-                for l in 0..LANES {
-                    let d = rays.ray(g, l);
-                    let r2 = d.length_squared();
-                    contributions[g][l] = normal.dot(d).max(0.0) * height / (r2 * r2);
-                }
-            }
-            if height == 0.0 {
-                return;
-            }
-        } else if let Some(radius) = self.surface.sphere_radius() {
-            for g in 0..groups(len) {
-                for l in 0..LANES {
-                    let d = rays.ray(g, l);
-                    let r2 = d.length_squared();
-                    // r cosθₛ with the sphere's normal at the point, its offset over the radius.
-                    let height = -(places.x[g][l] * d.x + places.y[g][l] * d.y + places.z[g][l] * d.z) / radius;
-                    contributions[g][l] = normal.dot(d).max(0.0) * height.max(0.0) / (r2 * r2);
-                }
-            }
-        }
-        if !len.is_multiple_of(LANES) {
-            contributions[len / LANES][len % LANES..].fill(0.0);
-        }
-        for blocker in &self.blockers {
-            blocker.shade(point.position(), rays, len, contributions);
-        }
-    }
-
-    /// Weighs contributions by the exitance at their places, where a texture says that.
-    #[inline(always)]
-    pub(super) fn weigh(&self, places: &SurfaceBlock, len: usize, shading: &mut Shading) {
-        if self.texture.is_none() {
-            return;
-        }
-        for g in 0..groups(len) {
-            for l in 0..LANES {
-                if shading.contributions[g][l] > 0.0 {
-                    shading.contributions[g][l] *= self.texture_at(places, g, l);
-                }
-            }
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::configuration::Arrangement;
-    use crate::geometry::{Disk, Rectangle, Shape, Sphere};
+    use crate::configuration::{Arrangement, MeasurementPoint, Source};
+    use crate::geometry::{DVec3, Disk, Rectangle, Shape, Sphere};
     use crate::radiometry::Exitance;
     use crate::sampling::{Strategy, Technique};
 

@@ -12,6 +12,7 @@
 #![expect(clippy::needless_range_loop, reason = "one index over several rows is what the compiler makes vectors of")]
 
 use super::draws::{hemisphere_key, mean};
+use super::width::{Arch, NullaryFnOnce};
 use super::{Estimator, Job, Scratch};
 use crate::configuration::{Configuration, Source};
 use crate::sampling::{DirectionBlock, LANES, Squares, cosine_weighted, groups};
@@ -21,7 +22,7 @@ use crate::scene::{Met, Surroundings};
 pub struct CosineEstimator {
     surroundings: Surroundings,
     sources: Vec<Source>,
-    arch: pulp::Arch,
+    arch: Arch,
 }
 
 impl CosineEstimator {
@@ -30,7 +31,7 @@ impl CosineEstimator {
         CosineEstimator {
             surroundings: Surroundings::new(configuration),
             sources: configuration.sources().to_vec(),
-            arch: pulp::Arch::new(),
+            arch: Arch::new(),
         }
     }
 }
@@ -52,7 +53,7 @@ struct Estimate<'a, 'b> {
     estimates: &'a mut [f64],
 }
 
-impl pulp::NullaryFnOnce for Estimate<'_, '_> {
+impl NullaryFnOnce for Estimate<'_, '_> {
     type Output = ();
 
     #[inline(always)]
@@ -93,7 +94,7 @@ mod tests {
     #[test]
     fn instruction_sets_move_no_bit() {
         crate::estimator::tests::same_bits(Strategy::Cosine, |room| {
-            [pulp::Arch::new(), pulp::Arch::Scalar].map(|arch| CosineEstimator { arch, ..CosineEstimator::new(room) })
+            [Arch::new(), Arch::Scalar].map(|arch| CosineEstimator { arch, ..CosineEstimator::new(room) })
         });
     }
 }

@@ -1,6 +1,7 @@
 //! The average over one estimate's draws, block by block.
 
 use super::Job;
+use super::emitter::add_lanes;
 use crate::sampling::{BLOCK, LANES, Lanes, Pattern, Row, Squares, StreamKey};
 
 /// The source index that keys the directions of the hemisphere, which belong to no source.
@@ -51,11 +52,4 @@ pub(super) fn mean(
         left -= len as u64;
     }
     add_lanes(&sum) / job.samples as f64
-}
-
-/// The lanes of a sum, added in a fixed order.
-#[inline(always)]
-pub(super) fn add_lanes(lanes: &[f64; LANES]) -> f64 {
-    let [a, b, c, d, e, f, g, h] = *lanes;
-    ((a + e) + (c + g)) + ((b + f) + (d + h))
 }

@@ -5,12 +5,10 @@
 
 use std::sync::Mutex;
 
-use thiserror::Error;
-
-use super::area::{Emitter, Shading, emitters};
-use super::draws::add_lanes;
+use super::emitter::{Emitter, Shading, add_lanes, emitters};
 use super::{Estimator, Job, Scratch};
 use crate::configuration::{Configuration, MeasurementPoint};
+use crate::errors::errors;
 use crate::sampling::{BLOCK, Draws, LANES, Squares, StreamKey, SurfaceBlock};
 use crate::scene::Surroundings;
 
@@ -53,18 +51,20 @@ impl<F: Fn(&Configuration, &MeasurementPoint, u64, &mut Draws) -> f64 + Sync> Ir
     }
 }
 
-/// What a guest gave that cannot be judged.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum GuestFault {
-    /// An estimate that is no number.
-    #[error(
-        "gave {value} as the irradiance at point {point} (N = {samples}, replicate {replicate}); a finite number is accepted"
-    )]
-    NotFinite { point: usize, samples: u64, replicate: u64, value: f64 },
-    /// A point beside the unit square.
-    #[error("gave ({u}, {v}) as point {index} of {samples} (counted from 0); both coordinates lie in [0, 1)")]
-    OutsideSquare { index: usize, samples: u64, u: f64, v: f64 },
+errors! {
+    /// What a guest gave that cannot be judged.
+    #[derive(Clone, Debug, PartialEq)]
+    #[non_exhaustive]
+    pub enum GuestFault {
+        /// An estimate that is no number.
+        #[error(
+            "gave {value} as the irradiance at point {point} (N = {samples}, replicate {replicate}); a finite number is accepted"
+        )]
+        NotFinite { point: usize, samples: u64, replicate: u64, value: f64 },
+        /// A point beside the unit square.
+        #[error("gave ({u}, {v}) as point {index} of {samples} (counted from 0); both coordinates lie in [0, 1)")]
+        OutsideSquare { index: usize, samples: u64, u: f64, v: f64 },
+    }
 }
 
 /// Samples, replicate and point of an estimate.

@@ -14,8 +14,9 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use super::area::{Emitter, Shading, emitters, uniform_exitance};
 use super::draws::{hemisphere_key, mean, source_key};
+use super::emitter::{Emitter, Shading, emitters, uniform_exitance};
+use super::width::{Arch, NullaryFnOnce};
 use super::{Estimator, Job, Scratch};
 use crate::configuration::{Configuration, MeasurementPoint};
 use crate::sampling::{DirectionBlock, Heuristic, LANES, Row, Squares, SurfaceBlock, cosine_weighted, groups};
@@ -27,7 +28,7 @@ pub struct MixtureEstimator {
     heuristic: Heuristic,
     sources: Vec<Source>,
     surroundings: Surroundings,
-    arch: pulp::Arch,
+    arch: Arch,
 }
 
 struct Source {
@@ -50,7 +51,7 @@ impl MixtureEstimator {
             area_over_pi: emitter.area() / PI,
             emitter,
         });
-        MixtureEstimator { heuristic, sources: sources.collect(), surroundings, arch: pulp::Arch::new() }
+        MixtureEstimator { heuristic, sources: sources.collect(), surroundings, arch: Arch::new() }
     }
 }
 
@@ -80,7 +81,7 @@ struct Work {
     met: Met,
 }
 
-impl pulp::NullaryFnOnce for Estimate<'_, '_> {
+impl NullaryFnOnce for Estimate<'_, '_> {
     type Output = ();
 
     #[inline(always)]
@@ -168,7 +169,7 @@ mod tests {
     #[test]
     fn instruction_sets_move_no_bit() {
         crate::estimator::tests::same_bits(Strategy::MisPower, |room| {
-            [pulp::Arch::new(), pulp::Arch::Scalar]
+            [Arch::new(), Arch::Scalar]
                 .map(|arch| MixtureEstimator { arch, ..MixtureEstimator::new(room, Heuristic::Power) })
         });
     }

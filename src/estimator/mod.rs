@@ -2,23 +2,38 @@
 //!
 //! Knows nothing of the exact side; the two meet in the judge.
 
+#[cfg(feature = "studies")]
 mod area;
+#[cfg(feature = "studies")]
 mod cosine;
+#[cfg(feature = "studies")]
 mod draws;
+mod emitter;
 mod guest;
+#[cfg(feature = "studies")]
 mod mixture;
+#[cfg(feature = "studies")]
 mod solid_angle;
+#[cfg(feature = "studies")]
+mod width;
 
 use std::ops::Range;
 
-pub use area::{AreaEstimator, Scratch};
+#[cfg(feature = "studies")]
+pub use area::AreaEstimator;
+#[cfg(feature = "studies")]
 pub use cosine::CosineEstimator;
+pub use emitter::Scratch;
 pub use guest::{Guest, GuestEstimator, GuestFault, GuestPoints, IrradianceEstimator, PointSampler};
+#[cfg(feature = "studies")]
 pub use mixture::MixtureEstimator;
+#[cfg(feature = "studies")]
 pub use solid_angle::SolidAngleEstimator;
 
-use crate::configuration::{Configuration, MeasurementPoint};
-use crate::sampling::{Strategy, StreamKey, Technique};
+use crate::configuration::MeasurementPoint;
+use crate::sampling::{Strategy, StreamKey};
+#[cfg(feature = "studies")]
+use crate::{configuration::Configuration, sampling::Technique};
 
 /// Something that estimates irradiance: this is what is judged.
 pub trait Estimator: Sync {
@@ -46,6 +61,7 @@ pub struct Job<'a> {
 }
 
 /// The estimator of a technique, surfaces and hierarchies prepared.
+#[cfg(feature = "studies")]
 pub fn for_technique(configuration: &Configuration, technique: Technique) -> Box<dyn Estimator> {
     match technique {
         Technique::Area => Box::new(AreaEstimator::new(configuration)),

@@ -15,8 +15,9 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::area::uniform_exitance;
 use super::draws::{mean, source_key};
+use super::emitter::uniform_exitance;
+use super::width::{Arch, NullaryFnOnce};
 use super::{Estimator, Job, Scratch};
 use crate::configuration::{Configuration, MeasurementPoint};
 use crate::sampling::{BLOCK, DirectionBlock, LANES, Row, Silhouette, Squares, View, groups};
@@ -26,7 +27,7 @@ use crate::texture::Texture;
 /// Estimates irradiance by directions towards the sources.
 pub struct SolidAngleEstimator {
     emitters: Vec<Emitter>,
-    arch: pulp::Arch,
+    arch: Arch,
 }
 
 /// A source, and what can come between it and a shading point.
@@ -48,7 +49,7 @@ impl SolidAngleEstimator {
             texture: source.texture().cloned(),
             blockers: surroundings.before(own),
         });
-        SolidAngleEstimator { emitters: emitters.collect(), arch: pulp::Arch::new() }
+        SolidAngleEstimator { emitters: emitters.collect(), arch: Arch::new() }
     }
 }
 
@@ -68,7 +69,7 @@ struct Estimate<'a, 'b> {
     estimates: &'a mut [f64],
 }
 
-impl pulp::NullaryFnOnce for Estimate<'_, '_> {
+impl NullaryFnOnce for Estimate<'_, '_> {
     type Output = ();
 
     #[inline(always)]
@@ -163,8 +164,7 @@ mod tests {
     #[test]
     fn instruction_sets_move_no_bit() {
         crate::estimator::tests::same_bits(Strategy::SolidAngle, |room| {
-            [pulp::Arch::new(), pulp::Arch::Scalar]
-                .map(|arch| SolidAngleEstimator { arch, ..SolidAngleEstimator::new(room) })
+            [Arch::new(), Arch::Scalar].map(|arch| SolidAngleEstimator { arch, ..SolidAngleEstimator::new(room) })
         });
     }
 }

@@ -1,7 +1,6 @@
 //! Cameras without lenses: from a pixel to the ray that goes through it.
 
-use thiserror::Error;
-
+use crate::errors::errors;
 use crate::geometry::DVec3;
 
 /// How rays leave a camera.
@@ -13,26 +12,28 @@ pub enum Projection {
     Perspective { fov: f64 },
 }
 
-/// Why there is no such camera.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum CameraError {
-    #[error("{field} is not finite")]
-    NotFinite { field: &'static str },
-    #[error("the camera looks at the point where it stands")]
-    NoDirection,
-    #[error("up points along the line of sight; it needs a part across it")]
-    Aligned,
-    #[error("width is {said} m; it is greater than zero")]
-    Width { said: f64 },
-    #[error("fov is {said}°; it is greater than 0° and less than 180°")]
-    Fov { said: f64 },
-    #[error(
-        "{width} × {height} pixels; each side has from 1 to {most_side}, and a picture at most {most}",
-        most_side = Camera::MOST_SIDE,
-        most = Camera::MOST_PIXELS
-    )]
-    Pixels { width: u64, height: u64 },
+errors! {
+    /// Why there is no such camera.
+    #[derive(Clone, Debug, PartialEq)]
+    #[non_exhaustive]
+    pub enum CameraError {
+        #[error("{field} is not finite")]
+        NotFinite { field: &'static str },
+        #[error("the camera looks at the point where it stands")]
+        NoDirection,
+        #[error("up points along the line of sight; it needs a part across it")]
+        Aligned,
+        #[error("width is {said} m; it is greater than zero")]
+        Width { said: f64 },
+        #[error("fov is {said}°; it is greater than 0° and less than 180°")]
+        Fov { said: f64 },
+        #[error(
+            "{width} × {height} pixels; each side has from 1 to {most_side}, and a picture at most {most}",
+            most_side = Camera::MOST_SIDE,
+            most = Camera::MOST_PIXELS
+        )]
+        Pixels { width: u64, height: u64 },
+    }
 }
 
 impl CameraError {

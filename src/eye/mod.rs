@@ -51,11 +51,19 @@
 //! ([`Direct::is_from_map`]): the estimators have no outline to test.
 
 mod camera;
+#[cfg(feature = "studies")]
 mod direct;
+mod error;
+#[cfg(feature = "studies")]
 mod picture;
+#[cfg(feature = "studies")]
 mod view;
 
 pub use camera::{Camera, CameraError, Projection};
+#[cfg(feature = "studies")]
 pub use direct::Direct;
-pub use picture::{Caustics, Eye, EyeError, Lit, Picture, Pixel, RowSight, Shading, Spot};
+pub use error::EyeError;
+#[cfg(feature = "studies")]
+pub use picture::{Caustics, Eye, Lit, Picture, Pixel, RowSight, Shading, Spot};
+#[cfg(feature = "studies")]
 pub use view::{ReceiverView, View};

@@ -1,28 +1,15 @@
 //! Pictures: rows of pixels, each a pure function of its place and the seed.
 
 use rayon::prelude::*;
-use thiserror::Error;
 
-use super::camera::CameraError;
 use super::direct::Direct;
+use super::error::EyeError;
 use super::view::View;
 use crate::configuration::{Configuration, MeasurementPoint, Receiver};
 use crate::estimator::{Estimator, Scratch};
 use crate::geometry::DVec3;
 use crate::light::{First, Light, Seen, Sight, Sighting, TexelMap};
 use crate::sampling::Strategy;
-
-/// Why there is no picture.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum EyeError {
-    #[error("the case has no [receiver] to look at and no [camera] to look through")]
-    NoReceiver,
-    #[error("the camera stands inside of {role} {index} (counted from 0), and sees nothing")]
-    Inside { role: &'static str, index: usize },
-    #[error(transparent)]
-    Camera(#[from] CameraError),
-}
 
 /// How direct light is estimated.
 #[derive(Clone, Copy, Debug, PartialEq)]

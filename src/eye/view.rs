@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::camera::{Camera, CameraError, Projection, check_pixels};
-use super::picture::EyeError;
+use super::error::EyeError;
 use crate::configuration::{Configuration, MeasurementPoint, ReceiverShape};
 use crate::geometry::{DVec3, Frame};
 use crate::light::Sight;

@@ -4,51 +4,53 @@
 //! no meaning, so that nothing below has to ask again.
 
 use glam::DVec3;
-use thiserror::Error;
 
 use super::{Mesh, Polygon};
+use crate::errors::errors;
 
 /// Relative tolerance for "perpendicular" edges of a rectangle: case files are written in decimals.
 const PERPENDICULAR_TOLERANCE: f64 = 1e-9;
 
-/// Why a shape was refused. Each variant names the case-file key at fault.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum ShapeError {
-    #[error("{field} holds {said}; every coordinate is a finite number")]
-    NotFinite { field: &'static str, said: f64 },
-    #[error("{field} is {said}; it is greater than zero (metres)")]
-    NotPositive { field: &'static str, said: f64 },
-    #[error("{field} is the zero vector; it needs a direction")]
-    NoDirection { field: &'static str },
-    #[error(
-        "the edges are not perpendicular: the cosine of their angle is {cosine:.3e}; at most {PERPENDICULAR_TOLERANCE:e} is accepted (use a polygon for a parallelogram)"
-    )]
-    NotPerpendicular { cosine: f64 },
-    #[error("{said} vertices; a polygon has at least 3")]
-    TooFewVertices { said: usize },
-    #[error("vertices {first} and {second} (counted from 0) are the same point; each vertex is listed once")]
-    RepeatedVertex { first: usize, second: usize },
-    #[error(
-        "vertex {vertex} (counted from 0) lies {distance:.3e} m off the plane of the others; at most {allowed:.1e} m (1e-12 of the size) is accepted"
-    )]
-    NotPlanar { vertex: usize, distance: f64, allowed: f64 },
-    #[error(
-        "the edge from vertex {first} and the edge from vertex {second} (counted from 0) meet; the outline may not cross or touch itself"
-    )]
-    SelfCrossing { first: usize, second: usize },
-    #[error("the vertices enclose no area")]
-    NoArea,
-    #[error("triangle {triangle} (counted from 0) names vertex {said}, but there are {vertices} vertices")]
-    NoSuchVertex { triangle: usize, said: usize, vertices: usize },
-    #[error("the mesh has no triangle with an area")]
-    NoTriangles,
-    #[error("{field} is {said}; at most {most} (metres) is accepted, where the sphere is widest")]
-    TooWide { field: &'static str, said: f64, most: f64 },
-    #[error("{field} points along the axis; it needs a part across it")]
-    AlongAxis { field: &'static str },
-    #[error("{field} is {said}; it is a share, greater than 0 and at most 1")]
-    NotAShare { field: &'static str, said: f64 },
+errors! {
+    /// Why a shape was refused. Each variant names the case-file key at fault.
+    #[derive(Clone, Debug, PartialEq)]
+    #[non_exhaustive]
+    pub enum ShapeError {
+        #[error("{field} holds {said}; every coordinate is a finite number")]
+        NotFinite { field: &'static str, said: f64 },
+        #[error("{field} is {said}; it is greater than zero (metres)")]
+        NotPositive { field: &'static str, said: f64 },
+        #[error("{field} is the zero vector; it needs a direction")]
+        NoDirection { field: &'static str },
+        #[error(
+            "the edges are not perpendicular: the cosine of their angle is {cosine:.3e}; at most {PERPENDICULAR_TOLERANCE:e} is accepted (use a polygon for a parallelogram)"
+        )]
+        NotPerpendicular { cosine: f64 },
+        #[error("{said} vertices; a polygon has at least 3")]
+        TooFewVertices { said: usize },
+        #[error("vertices {first} and {second} (counted from 0) are the same point; each vertex is listed once")]
+        RepeatedVertex { first: usize, second: usize },
+        #[error(
+            "vertex {vertex} (counted from 0) lies {distance:.3e} m off the plane of the others; at most {allowed:.1e} m (1e-12 of the size) is accepted"
+        )]
+        NotPlanar { vertex: usize, distance: f64, allowed: f64 },
+        #[error(
+            "the edge from vertex {first} and the edge from vertex {second} (counted from 0) meet; the outline may not cross or touch itself"
+        )]
+        SelfCrossing { first: usize, second: usize },
+        #[error("the vertices enclose no area")]
+        NoArea,
+        #[error("triangle {triangle} (counted from 0) names vertex {said}, but there are {vertices} vertices")]
+        NoSuchVertex { triangle: usize, said: usize, vertices: usize },
+        #[error("the mesh has no triangle with an area")]
+        NoTriangles,
+        #[error("{field} is {said}; at most {most} (metres) is accepted, where the sphere is widest")]
+        TooWide { field: &'static str, said: f64, most: f64 },
+        #[error("{field} points along the axis; it needs a part across it")]
+        AlongAxis { field: &'static str },
+        #[error("{field} is {said}; it is a share, greater than 0 and at most 1")]
+        NotAShare { field: &'static str, said: f64 },
+    }
 }
 
 impl ShapeError {

@@ -25,18 +25,28 @@
 //! Nothing predicts how the estimates of a guest spread. A verdict leans on a pilot run, or on a bound that the guest states
 //! ([`Leaning`](crate::trial::Leaning)), and says which.
 
+#[cfg(feature = "studies")]
 mod error;
+#[cfg(feature = "studies")]
 mod estimates;
 mod judgement;
+#[cfg(feature = "studies")]
 mod program;
+#[cfg(feature = "studies")]
 mod question;
+#[cfg(feature = "studies")]
 mod sets;
 
+#[cfg(feature = "studies")]
 pub use error::{AnswerFault, GuestError};
+#[cfg(feature = "studies")]
 pub use estimates::{judge_estimates, read_estimates};
 pub use judgement::{Judge, Judgement, judge};
+#[cfg(feature = "studies")]
 pub use program::{Program, judge_program};
+#[cfg(feature = "studies")]
 pub use question::{ANSWER_HEADER, QUESTION_HEADER, write_questions};
+#[cfg(feature = "studies")]
 pub use sets::{PointSets, SetsError, judge_point_sets, read_sets, write_sets};
 
 /// Numbers of a file that are held in memory at most: 160 MB of estimates.

@@ -44,29 +44,49 @@
 //! Light is counted by its interactions: order 0 is direct, order 2 through a glass ball is the first pass, order 1 from it
 //! is reflected off its outside.
 
+#[cfg(feature = "studies")]
 mod aim;
+#[cfg(feature = "studies")]
 mod body;
+#[cfg(feature = "studies")]
 mod chain;
+#[cfg(feature = "studies")]
 mod draws;
+#[cfg(feature = "studies")]
 mod emitter;
+#[cfg(feature = "studies")]
 mod face;
+#[cfg(feature = "studies")]
 mod interface;
 mod ledger;
+#[cfg(feature = "studies")]
 mod map;
+#[cfg(feature = "studies")]
 mod room;
 mod settings;
+#[cfg(feature = "studies")]
 mod sight;
+#[cfg(feature = "studies")]
 mod tally;
+#[cfg(feature = "studies")]
 mod trace;
 
+#[cfg(feature = "studies")]
 pub(crate) use chain::{End, Ray, Tracer, cosine_direction};
+#[cfg(feature = "studies")]
 pub(crate) use draws::Draws;
+#[cfg(feature = "studies")]
 pub(crate) use room::{Met, Role, Room, Start};
+#[cfg(feature = "studies")]
 pub(crate) use tally::Tally;
 
+#[cfg(feature = "studies")]
 pub use interface::{Interface, reflected};
 pub use ledger::{Ledger, Moments, Sum};
+#[cfg(feature = "studies")]
 pub use map::{Light, RingMap, TexelMap, TileMap};
 pub use settings::{Aim, LightSettings, Rings, Split};
+#[cfg(feature = "studies")]
 pub use sight::{First, Seen, Sight, Sighting};
+#[cfg(feature = "studies")]
 pub use trace::{LightRun, LightTracer, trace};

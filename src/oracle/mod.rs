@@ -18,6 +18,7 @@
 
 mod body;
 mod crossing;
+#[cfg(feature = "studies")]
 mod derivative;
 #[cfg(test)]
 mod derivative_tests;
@@ -25,9 +26,12 @@ mod exact;
 mod form;
 mod front;
 mod great_arc;
+#[cfg(feature = "studies")]
 pub mod limits;
+#[cfg(feature = "studies")]
 pub mod optics;
 mod outline;
+#[cfg(feature = "studies")]
 pub mod patch;
 mod penumbra;
 mod piece;
@@ -44,6 +48,7 @@ mod trigonometric;
 mod truth;
 pub mod variance;
 
+#[cfg(feature = "studies")]
 pub use derivative::{Derivatives, Parameter, ParameterError, Parameters, Side};
 pub use exact::Oracle;
 pub use polynomial::ExitancePolynomial;

@@ -3,10 +3,6 @@
 //! Source: Blackman & Vigna, *Scrambled Linear Pseudorandom Number Generators*, ACM TOMS 47(4), 2021. The state words
 //! of the eight lanes lie next to each other, so that one step is eight independent streams in vector registers.
 
-use std::convert::Infallible;
-
-use rand::TryRng;
-
 use super::seed::{StreamKey, mix, mix_again};
 
 /// Generators side by side.
@@ -87,35 +83,6 @@ impl Lanes {
     }
 }
 
-/// The first lane of a key, as a generator for everything that `rand` can draw.
-#[derive(Clone, Debug)]
-pub struct Stream(Lanes);
-
-impl Stream {
-    pub fn new(key: StreamKey) -> Stream {
-        Stream(Lanes::new(key, 1))
-    }
-}
-
-impl TryRng for Stream {
-    type Error = Infallible;
-
-    fn try_next_u32(&mut self) -> Result<u32, Infallible> {
-        self.try_next_u64().map(|word| (word >> 32) as u32)
-    }
-
-    fn try_next_u64(&mut self) -> Result<u64, Infallible> {
-        Ok(self.0.next_words()[0])
-    }
-
-    fn try_fill_bytes(&mut self, bytes: &mut [u8]) -> Result<(), Infallible> {
-        for chunk in bytes.chunks_mut(8) {
-            chunk.copy_from_slice(&self.0.next_words()[0].to_le_bytes()[..chunk.len()]);
-        }
-        Ok(())
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -161,11 +128,5 @@ mod tests {
         let product: f64 = (0..n).map(|k| first(k) * first(k + 1)).sum::<f64>() / n as f64;
         // Standard deviation of the mean product: 1/(12 √n).
         assert!(product.abs() < 6.5 / (12.0 * (n as f64).sqrt()), "{product}");
-    }
-
-    #[test]
-    fn the_stream_is_the_first_lane() {
-        let key = StreamKey::root(1).with(2);
-        assert_eq!(Stream::new(key).next_u64(), Lanes::new(key, LANES).next_words()[0]);
     }
 }

@@ -6,25 +6,41 @@
 
 mod arc;
 mod draws;
+#[cfg(feature = "studies")]
 mod ears;
+#[cfg(feature = "studies")]
 mod hemisphere;
 mod lanes;
+#[cfg(feature = "studies")]
 mod pattern;
 mod seed;
+#[cfg(feature = "studies")]
 mod silhouette;
+#[cfg(feature = "studies")]
 mod spherical;
+mod squares;
 mod strategy;
+#[cfg(feature = "studies")]
+mod stream;
 mod warp;
 
 pub use draws::Draws;
+#[cfg(feature = "studies")]
 pub use ears::triangulated;
+#[cfg(feature = "studies")]
 pub use hemisphere::cosine_weighted;
-pub use lanes::{LANES, Lanes, Stream};
-pub use pattern::{Pattern, Squares, fill_side_by_side};
+pub use lanes::{LANES, Lanes};
+#[cfg(feature = "studies")]
+pub use pattern::{Pattern, fill_side_by_side};
 pub use seed::{Purpose, StreamKey};
+#[cfg(feature = "studies")]
 pub use silhouette::{DirectionBlock, Silhouette, View};
+#[cfg(feature = "studies")]
 pub use spherical::SphericalTriangle;
+pub use squares::Squares;
 pub use strategy::{Heuristic, PointSet, Strategy, Technique};
+#[cfg(feature = "studies")]
+pub use stream::Stream;
 pub use warp::{Seams, Surface, SurfaceBlock, concentric};
 
 /// Samples worked on together: small enough for the first-level cache, large enough to hide the dispatch.

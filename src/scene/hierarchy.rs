@@ -11,6 +11,7 @@ use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
 use obvhs::ray::Ray;
 
+use super::segment::Segment;
 use crate::geometry::Mesh;
 
 /// Outward padding of boxes in a scene scaled to [−1, 1]. A ray's origin and direction are rounded to f32 (2⁻²⁴ each,
@@ -69,65 +70,6 @@ impl Hierarchy {
     /// The same answer from testing every triangle: the witness, and the yardstick of the timings.
     pub fn blocks_by_brute_force(&self, from: DVec3, to: DVec3) -> bool {
         Segment::new(from, to).is_some_and(|segment| self.triangles.iter().any(|triangle| segment.meets(triangle)))
-    }
-}
-
-/// A segment, sheared so that it runs along one axis and triangles can be tested in the plane of the other two.
-///
-/// A vertex gets the same two coordinates in every triangle that has it, and the sign of an edge function, the
-/// difference of two products, is then exact or zero (rounding is monotone): with edges counted as part of a triangle,
-/// no ray slips through a shared edge or vertex. Source: Woop, Benthin & Wald, *Watertight Ray/Triangle Intersection*,
-/// JCGT 2(1), 2013, here in f64.
-struct Segment {
-    from: DVec3,
-    /// Axes, the longest of the direction last.
-    axes: [usize; 3],
-    shear: [f64; 2],
-    /// One over the extent along the last axis.
-    inverse: f64,
-}
-
-impl Segment {
-    /// `None` for a segment of no length.
-    #[inline(always)]
-    fn new(from: DVec3, to: DVec3) -> Option<Segment> {
-        let direction = to - from;
-        let size = direction.abs();
-        let z = if size.x >= size.y && size.x >= size.z {
-            0
-        } else if size.y >= size.z {
-            1
-        } else {
-            2
-        };
-        let axes = [(z + 1) % 3, (z + 2) % 3, z];
-        let inverse = 1.0 / direction[z];
-        inverse.is_finite().then(|| Segment {
-            from,
-            axes,
-            shear: [direction[axes[0]] * inverse, direction[axes[1]] * inverse],
-            inverse,
-        })
-    }
-
-    /// Whether the triangle, its edges included, lies strictly between the ends.
-    #[inline(always)]
-    fn meets(&self, triangle: &[DVec3; 3]) -> bool {
-        let [a, b, c] = triangle.map(|p| {
-            let offset = p - self.from;
-            let along = offset[self.axes[2]];
-            [offset[self.axes[0]] - self.shear[0] * along, offset[self.axes[1]] - self.shear[1] * along, along]
-        });
-        let u = c[0] * b[1] - c[1] * b[0];
-        let v = a[0] * c[1] - a[1] * c[0];
-        let w = b[0] * a[1] - b[1] * a[0];
-        let inside = (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0);
-        let total = u + v + w;
-        if !inside || total == 0.0 {
-            return false;
-        }
-        let parameter = (u * a[2] + v * b[2] + w * c[2]) * self.inverse / total;
-        parameter > 0.0 && parameter < 1.0
     }
 }
 
@@ -213,5 +155,25 @@ mod tests {
             let from = DVec3::new(0.25, 0.25, -gap);
             assert!(hierarchy.blocks(from, DVec3::new(0.3, 0.2, 900.0)), "gap of {gap} m");
         }
+    }
+
+    #[test]
+    fn halves_of_the_mesh_answer_as_the_hierarchy_does() {
+        let reach = (DVec3::new(-2.0, -2.0, 0.0), DVec3::new(2.0, 2.0, 2.0));
+        let (hierarchy, halves) = (hierarchy(12), super::super::halves::Hierarchy::new(&sheet(12), reach));
+        let mut draws = Stream::new(StreamKey::root(13));
+        let mut point =
+            |z: f64, reach: f64| DVec3::new(draws.random_range(-reach..reach), draws.random_range(-reach..reach), z);
+        for _ in 0..20_000 {
+            let (from, to) = (point(0.0, 2.0), point(2.0, 1.0));
+            assert_eq!(halves.blocks(from, to), hierarchy.blocks_by_brute_force(from, to), "{from} to {to}");
+        }
+        // Rays that lie in the planes of boxes, and a mesh of no height.
+        let flat = Mesh::new(vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::X + DVec3::Y], vec![[0, 1, 2], [1, 3, 2]]);
+        let flat = super::super::halves::Hierarchy::new(&flat.unwrap(), reach);
+        for x in [0.0, 0.5, 1.0] {
+            assert!(flat.blocks(DVec3::new(x, 0.0, -1.0), DVec3::new(x, 0.0, 1.0)), "{x}");
+        }
+        assert!(!flat.blocks(DVec3::new(1.5, 0.0, -1.0), DVec3::new(1.5, 0.0, 1.0)));
     }
 }

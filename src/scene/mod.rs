@@ -4,9 +4,17 @@
 //! without an end is followed to what it meets first.
 
 mod blocker;
+#[cfg(feature = "studies")]
+mod first_met;
+#[cfg(test)]
+mod halves;
+#[cfg_attr(not(feature = "fast"), path = "halves.rs")]
 mod hierarchy;
+mod segment;
 mod surroundings;
 
 pub use blocker::{Blocker, ShadowRays};
+#[cfg(feature = "studies")]
+pub use first_met::Met;
 pub use hierarchy::Hierarchy;
-pub use surroundings::{Met, Surroundings};
+pub use surroundings::Surroundings;

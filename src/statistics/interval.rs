@@ -1,8 +1,7 @@
 //! Intervals that cover a true value with a stated probability.
 
-use statrs::distribution::{ChiSquared, ContinuousCDF, Normal, StudentsT};
-
 use super::moments::PowerSums;
+use super::quantile;
 
 /// From `low` to `high`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,7 +69,7 @@ pub const Z_95: f64 = 1.959_963_984_540_054;
 
 /// z with P(|Z| < z) = level for a standard normal Z. `None` unless 0 < level < 1.
 pub fn normal_quantile(level: f64) -> Option<f64> {
-    in_unit(level).then(|| -Normal::standard().inverse_cdf(0.5 * (1.0 - level)))
+    in_unit(level).then(|| quantile::normal(0.5 * (1.0 - level)))
 }
 
 /// t with P(|T| < t) = level for Student's T. `None` unless 0 < level < 1 and the degrees of freedom are > 0.
@@ -81,8 +80,7 @@ pub fn student_quantile(level: f64, degrees_of_freedom: f64) -> Option<f64> {
         return None;
     }
     if degrees_of_freedom < 1e4 {
-        let student = StudentsT::new(0.0, 1.0, degrees_of_freedom).ok()?;
-        return Some(-student.inverse_cdf(0.5 * (1.0 - level)));
+        return quantile::student(degrees_of_freedom, 0.5 * (1.0 - level));
     }
     // Cornish and Fisher's expansion; its next term is below 1e-11 here, while the beta inverse behind statrs slows down.
     let (z, d) = (normal_quantile(level)?, degrees_of_freedom);
@@ -100,8 +98,8 @@ pub fn chi_square_quantiles(level: f64, degrees_of_freedom: f64) -> Option<(f64,
     }
     let tail = 0.5 * (1.0 - level);
     if degrees_of_freedom < 100.0 {
-        let chi_square = ChiSquared::new(degrees_of_freedom).ok()?;
-        return Some((chi_square.inverse_cdf(tail), chi_square.inverse_cdf(1.0 - tail)));
+        let below = |p: f64| quantile::chi_square(degrees_of_freedom, p);
+        return Some((below(tail)?, below(1.0 - tail)?));
     }
     // Wilson and Hilferty 1931: the cube root is nearly normal. statrs takes a time that grows with the freedom.
     let (z, share) = (normal_quantile(level)?, 2.0 / (9.0 * degrees_of_freedom));

@@ -12,30 +12,32 @@ mod texels;
 mod triangle;
 
 use glam::DVec3;
-use thiserror::Error;
 
+use crate::errors::errors;
 use crate::geometry::{ParametrisationError, Rectangle};
 
 pub use polynomial::ExitancePolynomial;
 pub use raster::{Encoding, Raster};
 pub use texels::{Lookup, Texels};
 
-/// Why there is no such texture.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum TextureError {
-    #[error(transparent)]
-    Map(#[from] ParametrisationError),
-    #[error("{said} values for {expected} texels")]
-    Length { said: usize, expected: usize },
-    #[error("the value of texel ({i}, {j}) is {said}; every value is a finite number, zero or greater")]
-    Value { i: usize, j: usize, said: f64 },
-    #[error("the polynomial falls to {least} on the rectangle; what a surface sends out is zero or greater")]
-    Negative { least: f64 },
-    #[error("the polynomial is {said} on the rectangle; every value is a finite number")]
-    NotFinite { said: f64 },
-    #[error("nothing is sent out: every texel of the surface is zero")]
-    Dark,
+errors! {
+    /// Why there is no such texture.
+    #[derive(Clone, Debug, PartialEq)]
+    #[non_exhaustive]
+    pub enum TextureError {
+        #[error(transparent)]
+        Map(#[from] ParametrisationError),
+        #[error("{said} values for {expected} texels")]
+        Length { said: usize, expected: usize },
+        #[error("the value of texel ({i}, {j}) is {said}; every value is a finite number, zero or greater")]
+        Value { i: usize, j: usize, said: f64 },
+        #[error("the polynomial falls to {least} on the rectangle; what a surface sends out is zero or greater")]
+        Negative { least: f64 },
+        #[error("the polynomial is {said} on the rectangle; every value is a finite number")]
+        NotFinite { said: f64 },
+        #[error("nothing is sent out: every texel of the surface is zero")]
+        Dark,
+    }
 }
 
 /// A value at every point of a surface.

@@ -2,8 +2,6 @@
 
 use std::time::Instant;
 
-use thiserror::Error;
-
 use super::accept::accept;
 use super::correlation::correlations;
 use super::judge::{self, Judged};
@@ -12,12 +10,13 @@ use super::measure::{CellSums, Prepared, measure};
 use super::outcome::{CaseOutcome, StrategyOutcome, Timing};
 use super::plan::{CellPlan, most_replicates, pilot_replicates};
 use super::ready::Ready;
-use super::run::{efficiency, shown};
 use super::settings::Settings;
+use super::shown::{efficiency, shown};
 use crate::case::{Case, Replicates, Study};
-use crate::configuration::MeasurementPoint;
-use crate::estimator::{Guest, GuestFault, GuestPoints, for_technique};
-use crate::sampling::{Purpose, Strategy, StreamKey};
+use crate::configuration::{Configuration, MeasurementPoint};
+use crate::errors::errors;
+use crate::estimator::{Estimator, Guest, GuestFault, GuestPoints, Job, Scratch};
+use crate::sampling::{Purpose, Strategy, StreamKey, Technique};
 
 /// A pilot has no fewer replicates.
 pub const FEWEST_PILOT_REPLICATES: u64 = 8;
@@ -34,20 +33,22 @@ pub struct Invitation<'a> {
     pub reproduce: String,
 }
 
-/// Why there is no verdict.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum NotJudged {
-    #[error("{case}: there is nothing to judge: no source with an area, or no point that looks at one")]
-    NoDirectLight { case: String },
-    #[error("{case}: {name} {fault}")]
-    Fault { case: String, name: String, fault: GuestFault },
-    #[error(
-        "{case}: too few {what} ({said}); at least {least} are needed, of which the first quarter tells how they spread{otherwise}",
-        least = 4 * FEWEST_PILOT_REPLICATES,
-        otherwise = if *bound_would_do { " (or the statement that they spread no more than `random`, `--variance random`)" } else { "" }
-    )]
-    TooFew { case: String, what: &'static str, said: u64, bound_would_do: bool },
+errors! {
+    /// Why there is no verdict.
+    #[derive(Clone, Debug, PartialEq)]
+    #[non_exhaustive]
+    pub enum NotJudged {
+        #[error("{case}: there is nothing to judge: no source with an area, or no point that looks at one")]
+        NoDirectLight { case: String },
+        #[error("{case}: {name} {fault}")]
+        Fault { case: String, name: String, fault: GuestFault },
+        #[error(
+            "{case}: too few {what} ({said}); at least {least} are needed, of which the first quarter tells how they spread{otherwise}",
+            least = 4 * FEWEST_PILOT_REPLICATES,
+            otherwise = if *bound_would_do { " (or the statement that they spread no more than `random`, `--variance random`)" } else { "" }
+        )]
+        TooFew { case: String, what: &'static str, said: u64, bound_would_do: bool },
+    }
 }
 
 /// Estimates that are wanted of somebody outside: `replicates` of all points, for each sample count.
@@ -89,7 +90,7 @@ pub fn judge_guest(
     guest: &dyn Guest,
 ) -> Result<CaseOutcome, NotJudged> {
     let study = study(case, settings)?;
-    let ready = Ready::new(case, &study, &for_technique);
+    let ready = Ready::new(case, &study, &by_area);
     let judging = Judging { ready: &ready, study, settings, invitation, shared: guest.shares_points() };
     judging.to_end(&Supply::Here, &mut |prepared, purpose, cells| {
         let prepared = Prepared { estimator: guest, ..*prepared };
@@ -117,7 +118,7 @@ pub fn judge_sets(
     study.samples = vec![sets.first().map_or(1, |set| set.len() as u64)];
     let given = split(&case.name, "sets", invitation.leaning, sets.len() as u64)?;
     study.replicates = Replicates::Fixed(given[1]);
-    let ready = Ready::new(case, &study, &for_technique);
+    let ready = Ready::new(case, &study, &by_area);
     let (pilot, judged) = sets.split_at(given[0] as usize);
     let room = &case.configuration;
     let judging = Judging { ready: &ready, study, settings, invitation, shared: true };
@@ -146,7 +147,7 @@ pub fn judge_answers<E: From<NotJudged>>(
     answer: &mut dyn FnMut(Purpose, &Asked, &mut Take) -> Result<(), E>,
 ) -> Result<CaseOutcome, E> {
     let study = study(case, settings)?;
-    let ready = Ready::new(case, &study, &for_technique);
+    let ready = Ready::new(case, &study, &by_area);
     let judging = Judging { ready: &ready, study, settings, invitation, shared: false };
     judging.to_end(&Supply::Outside, &mut |prepared, purpose, cells| {
         let mut sums = empty(prepared, cells);
@@ -171,7 +172,7 @@ pub fn judge_given(
         .map(|(_, rows)| split(&case.name, "replicates", invitation.leaning, rows.len() as u64))
         .collect::<Result<_, _>>()?;
     study.replicates = Replicates::Fixed(2);
-    let ready = Ready::new(case, &study, &for_technique);
+    let ready = Ready::new(case, &study, &by_area);
     let judging = Judging { ready: &ready, study, settings, invitation, shared: false };
     judging.to_end(&Supply::Given(counts.clone()), &mut |prepared, purpose, cells| {
         let mut sums = empty(prepared, cells);
@@ -196,6 +197,25 @@ pub fn questions<'a>(case: &'a Case, settings: &Settings) -> Result<Asked<'a>, N
         AskedCell { samples: *samples, replicates, key }
     });
     Ok(Asked { points: case.configuration.points(), cells: cells.collect() })
+}
+
+/// Stands for points by area where none are drawn: a guest's plan counts their rays.
+struct Counted {
+    sources: u64,
+}
+
+impl Estimator for Counted {
+    fn rays_per_estimate(&self, samples: u64) -> u64 {
+        self.sources * samples
+    }
+
+    fn estimate(&self, _: &Job, _: &mut Scratch, estimates: &mut [f64]) {
+        estimates.fill(f64::NAN);
+    }
+}
+
+fn by_area(configuration: &Configuration, _: Technique) -> Box<dyn Estimator> {
+    Box::new(Counted { sources: configuration.sources().len() as u64 })
 }
 
 fn study(case: &Case, settings: &Settings) -> Result<Study, NotJudged> {

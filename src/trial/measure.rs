@@ -4,14 +4,13 @@ use std::f64::consts::PI;
 use std::ops::Range;
 use std::time::Instant;
 
-use rayon::prelude::*;
-
 use super::predict::Predictions;
 use crate::case::Case;
 use crate::estimator::{Estimator, Job, Scratch};
 use crate::oracle::Truth;
 use crate::sampling::{Purpose, Strategy, StreamKey};
 use crate::statistics::PowerSums;
+use crate::threads;
 
 /// Parts that a cell's replicates are split into: units of work, and batches whose spread tells how sure a variance is.
 pub(super) const BATCHES: u64 = 32;
@@ -131,15 +130,12 @@ pub(super) fn measure(
     let wave = (1_000_000 / n_points).clamp(2, BATCHES as usize);
     let ranges: Vec<Range<u64>> = ranges.collect();
     for wave in ranges.chunks(wave) {
-        let done: Vec<UnitSums> = wave
-            .par_iter()
-            .map(|range| {
-                let unit = measure_unit(prepared, strategy, samples, key, range.clone());
-                let rays = prepared.estimator.rays_per_estimate(samples) * n_points as u64;
-                progress(rays * (range.end - range.start));
-                unit
-            })
-            .collect();
+        let done = threads::map(wave, |range| {
+            let unit = measure_unit(prepared, strategy, samples, key, range.clone());
+            let rays = prepared.estimator.rays_per_estimate(samples) * n_points as u64;
+            progress(rays * (range.end - range.start));
+            unit
+        });
         for unit in done {
             sums.batches.push(unit.points.iter().map(|s| s.mean_square_deviation().unwrap_or(0.0)).collect());
             for (total, part) in sums.points.iter_mut().zip(&unit.points) {

@@ -5,50 +5,73 @@
 //! its key, and their results are merged in the order of the list: one thread or many give the same bytes.
 
 mod accept;
+#[cfg(feature = "studies")]
 mod converge;
 mod correlation;
+#[cfg(feature = "studies")]
 mod forecast;
 mod guest;
+#[cfg(feature = "studies")]
 mod images;
+#[cfg(feature = "studies")]
 mod indirect;
 mod judge;
 mod lean;
+#[cfg(feature = "studies")]
 mod lecture;
+#[cfg(feature = "studies")]
 mod light;
+#[cfg(feature = "studies")]
 mod map_error;
 mod measure;
 mod outcome;
+#[cfg(feature = "studies")]
 mod picture;
 mod plan;
 mod predict;
 mod rare;
+#[cfg(feature = "studies")]
 mod rates;
 mod reach;
 mod ready;
+#[cfg(feature = "studies")]
 mod repeat;
+#[cfg(feature = "studies")]
 mod run;
 mod settings;
+mod shown;
+#[cfg(feature = "studies")]
 mod spread;
+#[cfg_attr(not(feature = "studies"), path = "points_by_area.rs")]
+mod techniques;
 
+#[cfg(feature = "studies")]
 pub use converge::{ConvergenceOutcome, ConvergenceTerms, Level, NoConvergence, judge_convergence};
+#[cfg(feature = "studies")]
 pub use forecast::{Forecast, forecast};
 pub use guest::{
     Asked, AskedCell, FEWEST_PILOT_REPLICATES, Invitation, NotJudged, Take, judge_answers, judge_given, judge_guest,
     judge_sets, questions,
 };
+#[cfg(feature = "studies")]
 pub use images::{
     Cause, ImageTerms, ImagesOutcome, LEAST_TOLERANCE, LEAST_TOLERANCE_OF_HALVES, Part, Pixel, PixelTruth,
     judge_images,
 };
 pub use lean::Leaning;
+#[cfg(feature = "studies")]
 pub use lecture::{Lecture, LectureError, lecture};
 pub use outcome::{
     CaseOutcome, CausticBin, Cell, Correlation, JudgedProperty, LightOutcome, LightRow, MapRow, Measured,
     PathOutcome, PathRow, Rate, RatePoint, RunOutcome, StrategyOutcome, Timing,
 };
+#[cfg(feature = "studies")]
 pub use picture::{
     Due, Judged, PictureSettings, ReceiverPicture, camera_picture, receiver_picture, receiver_picture_with,
 };
+pub use ready::Maker;
+#[cfg(feature = "studies")]
 pub use repeat::Repeated;
-pub use run::{Maker, Progress, TrialError, run, run_with};
+#[cfg(feature = "studies")]
+pub use run::{Progress, TrialError, run, run_with};
 pub use settings::{Effort, Overrides, Settings, quoted};

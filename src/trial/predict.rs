@@ -2,13 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use rayon::prelude::*;
-
+use super::techniques::of_technique;
 use crate::case::Study;
-use crate::configuration::{Configuration, MeasurementPoint, Source};
+use crate::configuration::{Configuration, MeasurementPoint};
 use crate::oracle::Oracle;
-use crate::oracle::variance::{Contribution, RELATIVE_ERROR, SampleMoments, Spread};
-use crate::sampling::{Heuristic, PointSet, Silhouette, Strategy, Technique, View};
+use crate::oracle::variance::{RELATIVE_ERROR, Spread};
+use crate::sampling::{PointSet, Strategy, Technique};
+use crate::threads;
 
 /// Predicted spreads of one case, for all strategies of a study.
 pub(super) struct Predictions {
@@ -77,24 +77,21 @@ impl Predictions {
         let points = configuration.points();
         let asks =
             |set: PointSet| study.strategies.iter().any(|s| s.technique() == Technique::Area && s.point_set() == set);
-        let area = points
-            .par_iter()
-            .map(|point| {
-                (0..configuration.sources().len()).try_fold(Spread::default(), |sum, source| {
-                    Some(sum.plus(oracle.area_moments(source, point)?.spread()))
-                })
+        let area = threads::map(points, |point| {
+            (0..configuration.sources().len()).try_fold(Spread::default(), |sum, source| {
+                Some(sum.plus(oracle.area_moments(source, point)?.spread()))
             })
-            .collect();
+        });
         let techniques = study.strategies.iter().map(|strategy| strategy.technique());
         let others: BTreeMap<Technique, Vec<Option<Spread>>> = techniques
             .filter(|technique| *technique != Technique::Area)
             .map(|technique| {
-                let of_point = |point| of_technique(oracle, configuration, technique, point);
-                (technique, points.par_iter().map(of_point).collect())
+                let of_point = |point: &MeasurementPoint| of_technique(oracle, configuration, technique, point);
+                (technique, threads::map(points, of_point))
             })
             .collect();
         let strata = if asks(PointSet::Stratified) {
-            points.par_iter().map(|point| oracle.strata_spreads(point, &study.samples, &strata)).collect()
+            threads::map(points, |point| oracle.strata_spreads(point, &study.samples, &strata))
         } else {
             vec![None; points.len()]
         };
@@ -148,47 +145,6 @@ impl Predictions {
     /// Correlation of the errors at the pairs that were asked for; `None` where it is not predicted.
     pub fn correlations(&self, strategy: Strategy) -> Option<&[f64]> {
         if strategy.shares_points() { self.shared.as_ref().map(|shared| &shared.correlations[..]) } else { None }
-    }
-}
-
-/// Spread of what one draw of a technique brings (for techniques that draw on each source, one draw on each).
-fn of_technique(
-    oracle: &Oracle,
-    configuration: &Configuration,
-    technique: Technique,
-    point: &MeasurementPoint,
-) -> Option<Spread> {
-    let sources = || configuration.sources().iter().enumerate();
-    let sum = |spread: &dyn Fn(usize, &Source) -> Option<Spread>| {
-        sources().try_fold(Spread::default(), |sum, (i, source)| Some(sum.plus(spread(i, source)?)))
-    };
-    match technique {
-        Technique::Area => sum(&|i, _| Some(oracle.area_moments(i, point)?.spread())),
-        Technique::SolidAngle => sum(&|i, source| {
-            let mut view = View::default();
-            Silhouette::new(source.shape())?.seen_from(point.position(), &mut view);
-            let solid_angle = view.solid_angle();
-            if solid_angle <= 0.0 {
-                return Some(Spread::default());
-            }
-            let mut moments = oracle.sample_moments(i, point, |at| Contribution::by_solid_angle(at, solid_angle))?;
-            moments.has_shadow |= view.misses();
-            Some(moments.spread())
-        }),
-        Technique::Cosine => Some(oracle.cosine_moments(point)?.spread()),
-        Technique::Mis(heuristic) => {
-            let power = match heuristic {
-                Heuristic::Balance => 1,
-                Heuristic::Power => 2,
-            };
-            let by_area = sum(&|i, _| {
-                Some(oracle.sample_moments(i, point, |at| Contribution::by_area_weighed(at, power))?.spread())
-            })?;
-            let by_cosine: Option<Vec<SampleMoments>> = sources()
-                .map(|(i, _)| oracle.sample_moments(i, point, |at| Contribution::by_cosine_weighed(at, power)))
-                .collect();
-            Some(by_area.plus(SampleMoments::either(&by_cosine?).spread()))
-        }
     }
 }
 

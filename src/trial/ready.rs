@@ -8,11 +8,14 @@ use super::measure::{Contrasts, Prepared};
 use super::outcome::{CaseOutcome, StrategyOutcome, Timing};
 use super::predict::Predictions;
 use super::reach::{full, grazing};
-use super::run::Maker;
 use crate::case::{Case, Study};
+use crate::configuration::Configuration;
 use crate::estimator::Estimator;
 use crate::oracle::{Oracle, Truth};
 use crate::sampling::{Strategy, Technique};
+
+/// Makes the estimator that is judged, for one configuration and technique.
+pub type Maker<'a> = dyn Fn(&Configuration, Technique) -> Box<dyn Estimator> + 'a;
 
 pub(super) struct Ready<'a> {
     pub case: &'a Case,

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use super::outcome::CaseOutcome;
-use super::ready::Ready;
-use super::run::{Maker, TrialError, from_ready};
+use super::ready::{Maker, Ready};
+use super::run::{TrialError, from_ready};
 use super::settings::Settings;
 use crate::case::{Case, Study};
 use crate::estimator::{Estimator, for_technique};

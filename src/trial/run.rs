@@ -12,13 +12,12 @@ use super::indirect::indirect;
 use super::judge::{self, Judged};
 use super::light::light;
 use super::measure::{CellSums, Prepared, measure};
-use super::outcome::{CaseOutcome, Cell, Measured, RunOutcome, StrategyOutcome, Timing};
+use super::outcome::{CaseOutcome, RunOutcome, StrategyOutcome, Timing};
 use super::plan::{CellPlan, pilot_replicates};
-use super::predict::CellPrediction;
-use super::rare::is_rare;
 use super::rates::rates;
-use super::ready::Ready;
+use super::ready::{Maker, Ready};
 use super::settings::{Effort, Settings};
+use super::shown::{efficiency, shown};
 use super::spread;
 use crate::case::{Case, Study};
 use crate::configuration::{Configuration, MeasurementPoint};
@@ -28,11 +27,9 @@ use crate::sampling::{
     BLOCK, LANES, Lanes, Pattern, Purpose, Squares, Strategy, Stream, StreamKey, Surface, SurfaceBlock, Technique,
 };
 use crate::scene::Hierarchy;
-use crate::statistics::interval;
 
 /// Shadow rays that compare each mesh's hierarchy with brute force.
 const COMPARED_RAYS: u64 = 512;
-const LEVEL: f64 = 0.95;
 
 /// What a run tells while it goes on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,9 +50,6 @@ pub enum TrialError {
     #[error("{case}: the hierarchy over mesh {mesh} and brute force disagree on a shadow ray from {from} to {to}")]
     HierarchyDisagrees { case: String, mesh: usize, from: DVec3, to: DVec3 },
 }
-
-/// Makes the estimator that is judged, for one configuration and technique.
-pub type Maker<'a> = dyn Fn(&Configuration, Technique) -> Box<dyn Estimator> + 'a;
 
 /// Measures and judges every case with the built-in estimators.
 pub fn run(
@@ -232,39 +226,6 @@ fn run_strategy(
         verdicts,
         cells: cells.iter().zip(&plans).map(|(cell, plan)| shown(cell, plan)).collect(),
         timings,
-    }
-}
-
-/// 1 / (variance × time) of one estimate, variance averaged over the points.
-pub(super) fn efficiency(cell: &CellSums, n_points: usize) -> Option<f64> {
-    let variance = cell.points.iter().filter_map(|sums| sums.variance()).sum::<f64>() / n_points as f64;
-    let time = cell.seconds / (cell.replicates as f64 * n_points as f64);
-    (variance * time > 0.0).then(|| 1.0 / (variance * time))
-}
-
-/// What reports show of a cell.
-pub(super) fn shown(cell: &CellSums, plan: &CellPlan) -> Cell {
-    let CellPrediction { points, alike, .. } = &plan.prediction;
-    let points = cell.points.iter().zip(points).zip(alike).map(|((sums, predicted), alike)| {
-        let variance = sums.variance().unwrap_or(0.0);
-        let kurtosis = predicted.map_or(1.0, |predicted| predicted.spread.kurtosis());
-        Measured {
-            mean: sums.mean().unwrap_or(0.0),
-            bias: sums.mean_deviation().unwrap_or(0.0),
-            bias_std_error: sums.std_error().unwrap_or(0.0),
-            variance,
-            variance_interval: interval::of_variance_with(sums, kurtosis, LEVEL)
-                .filter(|_| !is_rare(sums, *alike, cell.replicates)),
-            predicted_variance: predicted.map(|predicted| predicted.spread.variance),
-            mse: sums.mean_square_deviation().unwrap_or(0.0),
-        }
-    });
-    Cell {
-        samples: cell.samples,
-        replicates: cell.replicates,
-        points: points.collect(),
-        mean_bias: cell.contrasts[0].mean_deviation().unwrap_or(0.0),
-        mean_bias_std_error: cell.contrasts[0].std_error().unwrap_or(0.0),
     }
 }
 

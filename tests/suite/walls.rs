@@ -28,7 +28,9 @@ const ROOMS: &[(&str, u8, Wing)] = &[
     ("texture", 2, Wing::Shared),
     ("geometry", 1, Wing::Shared),
     ("statistics", 1, Wing::Shared),
+    ("errors", 0, Wing::Shared),
     ("number", 0, Wing::Shared),
+    ("threads", 0, Wing::Shared),
 ];
 
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -55,7 +57,8 @@ const RESERVED: &[(&str, &[&str])] = &[
     ("exr", &["external/image/", "report/"]),
     ("obvhs", &["scene/hierarchy.rs"]),
     ("rand", &["sampling/", "trial/"]),
-    ("rayon", &["trial/", "calibration/", "eye/", "light/", "path/", "oracle/variance/", "report/plot/", "cli/"]),
+    ("rayon", &["trial/", "calibration/", "eye/", "light/", "path/", "threads/", "report/plot/", "cli/"]),
+    ("pulp", &["estimator/"]),
     ("plotters", &["report/plot/"]),
     ("csv", &["report/"]),
     ("toml", &["case/"]),

@@ -21,11 +21,11 @@ mod map_triangle;
 use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
-use thiserror::Error;
 
 use super::shape::unit;
 use super::{Disk, Frame, Rectangle, ShapeError, Sphere};
 
+use crate::errors::errors;
 pub use finder::TexelFinder;
 pub use grid::{Texel, TexelGrid};
 pub use isoline::Isoline;
@@ -36,22 +36,24 @@ const FLAT: f64 = 1e-12;
 /// The sine of the least angle between a sphere's north and its point of the equator.
 const ALIGNED: f64 = 1e-9;
 
-/// Why a surface cannot be laid out on a map.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum ParametrisationError {
-    #[error(transparent)]
-    Direction(#[from] ShapeError),
-    #[error("{field} points along {axis}; it needs a part across it")]
-    Aligned { field: &'static str, axis: &'static str },
-    #[error("the triangle is degenerate: it is {height:.3e} m high over a longest side of {longest:.3e} m")]
-    DegenerateTriangle { height: f64, longest: f64 },
-    #[error("the map's triangle is degenerate: it covers {area:.3e} of the unit square")]
-    DegenerateMap { area: f64 },
-    #[error("corner {corner} of the map's triangle (counted from 0) is ({s}, {t}); it lies in the unit square")]
-    OutsideMap { corner: usize, s: f64, t: f64 },
-    #[error("a grid of {ns} × {nt} texels has none; both counts are from 1 to {max}", max = TexelGrid::MAX_SIDE)]
-    NoTexels { ns: usize, nt: usize },
+errors! {
+    /// Why a surface cannot be laid out on a map.
+    #[derive(Clone, Debug, PartialEq)]
+    #[non_exhaustive]
+    pub enum ParametrisationError {
+        #[error(transparent)]
+        Direction(#[from] ShapeError),
+        #[error("{field} points along {axis}; it needs a part across it")]
+        Aligned { field: &'static str, axis: &'static str },
+        #[error("the triangle is degenerate: it is {height:.3e} m high over a longest side of {longest:.3e} m")]
+        DegenerateTriangle { height: f64, longest: f64 },
+        #[error("the map's triangle is degenerate: it covers {area:.3e} of the unit square")]
+        DegenerateMap { area: f64 },
+        #[error("corner {corner} of the map's triangle (counted from 0) is ({s}, {t}); it lies in the unit square")]
+        OutsideMap { corner: usize, s: f64, t: f64 },
+        #[error("a grid of {ns} × {nt} texels has none; both counts are from 1 to {max}", max = TexelGrid::MAX_SIDE)]
+        NoTexels { ns: usize, nt: usize },
+    }
 }
 
 /// A surface with a map.

@@ -1,11 +1,10 @@
 //! Points that are shared: how the errors of several receivers move together.
 
-use rayon::prelude::*;
-
 use super::Spread;
 use super::field::{Contribution, Field};
 use crate::configuration::MeasurementPoint;
 use crate::oracle::Oracle;
+use crate::threads;
 
 /// Places that stand for a source: a Fibonacci lattice, (i + ½)/N and {i F/N + ½/N} with N and F neighbours in Fibonacci's
 /// sequence. What is seen through an edge along either side of the square is wrong by one place in N at most, through any
@@ -65,10 +64,10 @@ impl Oracle {
                 points.iter().map(|point| Field::new(self, source, point)).collect::<Option<_>>()?;
             // Deviations, so that what hardly varies is not lost below the square of its mean.
             let due: Vec<f64> = points.iter().map(|point| self.due(source, point)).collect();
-            let tallies: Vec<Tally> = (0..PLACES.div_ceil(CHUNK))
-                .into_par_iter()
-                .map(|k| tally(&fields, &due, weights, pairs, k * CHUNK..((k + 1) * CHUNK).min(PLACES)))
-                .collect();
+            let chunks: Vec<u64> = (0..PLACES.div_ceil(CHUNK)).collect();
+            let tallies = threads::map(&chunks, |k| {
+                tally(&fields, &due, weights, pairs, k * CHUNK..((k + 1) * CHUNK).min(PLACES))
+            });
             let n = PLACES as f64;
             // Added in order: the same bits on any number of threads.
             let total = tallies.into_iter().reduce(Tally::plus).expect("there are places");

@@ -15,20 +15,7 @@ use multi_jittered::MultiJittered;
 use sobol::Sobol;
 use strata::{Strata, Stratum};
 
-use super::{BLOCK, LANES, Lanes, PointSet, Row, Strategy, StreamKey, groups};
-
-/// One block of points of the unit square.
-#[derive(Clone, Debug)]
-pub struct Squares {
-    pub u: Row,
-    pub v: Row,
-}
-
-impl Default for Squares {
-    fn default() -> Squares {
-        Squares { u: [[0.0; LANES]; BLOCK / LANES], v: [[0.0; LANES]; BLOCK / LANES] }
-    }
-}
+use super::{BLOCK, LANES, Lanes, PointSet, Squares, Strategy, StreamKey, groups};
 
 /// The points of one estimate, handed out block by block, so that memory does not grow with their number.
 #[derive(Clone, Debug)]

@@ -1,0 +1,16 @@
+//! A block of points of the unit square.
+
+use super::{BLOCK, LANES, Row};
+
+/// One block of points of the unit square.
+#[derive(Clone, Debug)]
+pub struct Squares {
+    pub u: Row,
+    pub v: Row,
+}
+
+impl Default for Squares {
+    fn default() -> Squares {
+        Squares { u: [[0.0; LANES]; BLOCK / LANES], v: [[0.0; LANES]; BLOCK / LANES] }
+    }
+}
