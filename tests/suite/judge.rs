@@ -345,7 +345,7 @@ fn a_witness_without_randomness_is_judged_by_where_it_goes() {
     };
     for (limit, code, said) in [(1.0, 0, "converges"), (1.02, 1, "settles off the exact value"), (f64::NAN, 2, "NaN")]
     {
-        let file = room.file("lattice.csv", &estimates(limit));
+        let file = room.file("lattice.csv", estimates(limit));
         let out = room.path("lattice");
         let assert = etendue().args(["verify", &room.case, &file, "--converging", "--out"]).arg(&out).assert();
         if code == 2 {
