@@ -42,11 +42,6 @@ impl Hierarchy {
         let Some(segment) = Segment::new(from, to) else { return false };
         self.whole.blocks(&self.triangles, &segment, from, to)
     }
-
-    /// The same answer from testing every triangle.
-    pub fn blocks_by_brute_force(&self, from: DVec3, to: DVec3) -> bool {
-        Segment::new(from, to).is_some_and(|segment| self.triangles.iter().any(|triangle| segment.meets(triangle)))
-    }
 }
 
 impl Part {

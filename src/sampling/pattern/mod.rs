@@ -126,6 +126,7 @@ fn fill_one_by_one(strategy: Strategy, n: usize, keys: &[StreamKey], squares: &m
 
 #[cfg(test)]
 mod tests {
+    use super::super::Row;
     use super::*;
 
     fn points(strategy: Strategy, n: u64, seed: u64) -> Vec<[f64; 2]> {

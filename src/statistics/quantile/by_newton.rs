@@ -88,7 +88,7 @@ fn incomplete_beta(a: f64, b: f64, x: f64, y: f64) -> f64 {
     let front = (a * x.ln() + b * y.ln() - ln_beta).exp() / a;
     let term = |k: usize| {
         let m = (k / 2) as f64;
-        let numerator = if k % 2 == 0 {
+        let numerator = if k.is_multiple_of(2) {
             m * (b - m) * x / ((a + 2.0 * m - 1.0) * (a + 2.0 * m))
         } else {
             -(a + m) * (a + b + m) * x / ((a + 2.0 * m) * (a + 2.0 * m + 1.0))
