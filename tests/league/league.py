@@ -132,7 +132,10 @@ class League:
         if entry["mode"] == "own":
             return self.own(entry, row, case)
         witness_files = [read(os.path.join(HERE, "witnesses", entry["witness"] + ".py")), read(os.path.join(HERE, "protocol.py")),
-                         read(os.path.join(HERE, "requirements", entry["witness"] + ".txt")), read(case)]
+                         read(os.path.join(HERE, "requirements", entry["witness"] + ".txt"))]
+        # What is rendered does not depend on where points are measured, nor on the remarks above the case.
+        told = read(case).decode().partition("\ntitle")[2]
+        witness_files.append((told.partition("[measure]")[0] if entry["mode"] == "images" else told).encode())
         settings = {k: v for k, v in entry["settings"].items() if k != "first_sample_at_centre"}
         name = re.sub(r"[^a-z0-9]+", "-", f"{entry['witness']}-{entry['case']}-{entry['label']}".lower())
         key = digest(*witness_files, settings, entry["mode"], entry["pixels"], entry["samples"], entry.get("efforts"), self.given.seed_set)
@@ -164,7 +167,7 @@ class League:
             step = min(max(more, have * 3 // 2), entry["most"], 4 * have) - have
 
     def verify(self, entry, folder, case, outs):
-        name = f"{entry['witness']}: {entry['label']}"
+        name = f"{entry['witness']}: {entry['label']}" if entry["mode"] == "images" else entry["witness"]
         report = os.path.join(folder, "report" + self.suffix)
         if entry["mode"] == "images":
             whole = os.path.join(folder, "images.npy")
@@ -212,7 +215,7 @@ class League:
     def spoken(text):
         """A verdict on estimates from what is printed."""
         words = {"PASS": "pass", "FAIL": "fail", "UNDECIDED": "undecided"}
-        line = re.search(r"^(PASS|FAIL|UNDECIDED)\s.*\sbias\s+(.*)$", text, re.M)
+        line = re.search(r"^(PASS|FAIL|UNDECIDED) .* bias +(.*±.*)$", text, re.M)
         number = r"([-−+]?[\d.]+)"
         found = re.search(number + r" ± " + number + r" %\s+" + number + r" / " + number + r" %\s+(\S+)", line.group(2))
         value = [float(x.replace("−", "-").replace("∞", "inf")) for x in found.groups()]
