@@ -50,7 +50,7 @@ for sampler in ("multijitter", "stratified"):
     for case in OPEN[:4]:
         images("mitsuba", case, sampler, {"sampler": sampler}, pixels="5x5", samples=16, count=8000, most=30000,
                quick={"count": 4000, "most": 4000} if case == "disk-050" else None)
-    for case in ["rectangle-occluder", "disk-occluder", "sphere-light", "grazing"]:
+    for case in ["rectangle-occluder", "disk-occluder"] + (["sphere-light"] if sampler == "multijitter" else []):
         images("mitsuba", case, sampler, {"sampler": sampler}, samples=256, count=1000, most=12000)
 
 # Radiance: with full jitter; a disk as the program has it, as strips, as a polygon; then as a user meets it.
@@ -100,7 +100,8 @@ efforts("povray", "distant-rectangle", "soft shadow, adaptive 1", {"recipe": "sh
 CENTRE = {"first_sample_at_centre": True}
 images("cycles", "control", "area light", CENTRE, pixels="9x9", samples=64, count=64, most=1500, control=True)
 for case in OPEN + SHADOWS + BALLS + CONTACTS:
-    images("cycles", case, "area light", CENTRE, samples=64, count=96, most=2500)
+    many = case in SHADOWS + ["grazing", "sphere-occluder"]
+    images("cycles", case, "area light", CENTRE, samples=256 if many else 64, count=96, most=1500 if many else 2000)
 for case in ("disk-050", "rectangle", "rectangle-occluder", "disk-occluder", "contact-1mm"):
     images("cycles", case, "mesh light", {**CENTRE, "light": "mesh"}, samples=64, count=96, most=1500)
 images("cycles", "control", "area light, 1 sample, as if spread over the pixel", {}, pixels="5x5", samples=1, count=1500, most=1500)

@@ -276,6 +276,77 @@ def few_cells(row):
     return best, f"k = {k} (fitted)", 1
 
 
+def concentric(s, t):
+    """Shirley and Chiu's map of the unit square onto the unit disk, turned as Mitsuba has it."""
+    a, b = 2 * s - 1, 2 * t - 1
+    steep = abs(a) < abs(b)
+    r, other = np.where(steep, b, a), np.where(steep, a, b)
+    turn = math.pi / 4 * other / np.where(r == 0, 1, r)
+    turn = np.where(steep, math.pi / 2 - turn, turn)
+    return r * np.cos(turn), r * np.sin(turn)
+
+
+def cells(side, inside):
+    """Points in the strata of a unit square: [stratum, point], x and y."""
+    g = (np.arange(inside) + 0.5) / inside
+    s, t = (a.ravel() for a in np.meshgrid(g, g))
+    k = np.arange(side * side)
+    return (k[:, None] % side + s) / side, (k[:, None] // side + t) / side
+
+
+def stratum_pairs(row):
+    """Strata of the place in the pixel meet strata of the emitter's and of the direction's draw as often as counted from the sampler
+    alone, rather than equally often (light by `path`, power heuristic)."""
+    source = only_light(row, "disk", "rectangle")
+    if row.row["settings"].get("sampler") != "stratified" or row.row["samples"] != 16 or row.scene["occluders"] or not source:
+        return None
+    top = os.path.dirname(os.path.dirname(row.row["folder"]))
+    counted = os.path.join(top, "work", "stratum_pairs.json")
+    if not os.path.exists(counted):
+        subprocess.run([os.path.join(top, "venv", "mitsuba", "bin", "python"), os.path.join(HERE, "stratum_pairs.py"), counted], check=True)
+    with open(counted) as file:
+        # What the pairs add to independent ones: the sums' own error then shrinks as much as the bias does.
+        pairs = {k: np.array(v) - 1 / 256 for k, v in json.load(file).items() if k in ("emitter", "direction")}
+    c, n, area = np.array(source["center"]), np.array(source["normal"]), area_of(source)
+    if source["kind"] == "disk":
+        u, v, _ = protocol.frame(n)
+        u, v = u * source["radius"], v * source["radius"]
+        x, y = concentric(*cells(4, 6))
+    else:
+        u, v = np.array(source["edge_u"]) / 2, np.array(source["edge_v"]) / 2
+        x, y = (2 * a - 1 for a in cells(4, 6))
+    light = c + x[..., None] * u + y[..., None] * v
+    dx, dy = concentric(*cells(4, 40))
+    up = np.sqrt(np.maximum(1 - dx * dx - dy * dy, 1e-12))
+    grid, place = row.manifest["pixels"], np.stack(cells(4, 3), -1)
+    corner, column, line = (np.array(grid[k]) for k in ("corner_m", "per_column_m", "per_row_m"))
+    out = []
+    for pixel in range(grid["width"] * grid["height"]):
+        origin = corner + pixel % grid["width"] * column + pixel // grid["width"] * line
+        total = 0.0
+        for i in range(16):
+            for s, t in place[i]:
+                p = origin + s * column + t * line
+                d = light - p
+                r2 = (d * d).sum(-1)
+                cos_here, cos_there = d[..., 2] / np.sqrt(r2), -(d @ n) / np.sqrt(r2)
+                by_light, by_cosine = r2 / (cos_there * area), cos_here / math.pi
+                weight = by_light**2 / (by_light**2 + by_cosine**2)
+                total += (weight * cos_here / by_light).mean(axis=1) @ pairs["emitter"][i]
+                # Directions, cosine-weighted: where they cross the light's plane.
+                reach = (c[2] - p[2]) / up
+                at = np.stack([p[0] + reach * dx - c[0], p[1] + reach * dy - c[1]], -1)
+                if source["kind"] == "disk":
+                    hit = (at**2).sum(-1) < source["radius"] ** 2
+                else:
+                    hit = (abs(at @ u[:2]) < u @ u) & (abs(at @ v[:2]) < v @ v)
+                by_light, by_cosine = reach**2 / (up * area), up / math.pi
+                weight = by_cosine**2 / (by_light**2 + by_cosine**2)
+                total += math.pi * (weight * hit).mean(axis=1) @ pairs["direction"][i]
+        out.append(source["radiance"] * total / len(place[0]))
+    return row.exact + np.array(out), "", 0
+
+
 def averages(row, right, down):
     """Exact pixel averages of an open light's image that is shifted by some pixels."""
     grid = row.manifest["pixels"]
@@ -332,7 +403,7 @@ def factor(row):
     return best * row.exact, f"factor {best:.5f} (fitted)", 1
 
 
-HYPOTHESES = [factor, receiver_raised, warped_disk, equal_area_square, product_of_means, edge_grid, grid_visibility, few_cells, shifted_row, shifted_row_up,
+HYPOTHESES = [factor, receiver_raised, warped_disk, equal_area_square, product_of_means, edge_grid, grid_visibility, few_cells, stratum_pairs, shifted_row, shifted_row_up,
               half_pixel, first_sample_at_centre, all_at_centre]
 
 

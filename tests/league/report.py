@@ -29,7 +29,7 @@ table{border-collapse:collapse;font-size:.86rem;font-variant-numeric:tabular-num
 th{font-weight:600;color:var(--soft);white-space:nowrap}td.k{white-space:nowrap}td.w{min-width:15rem}code{background:var(--panel);border-radius:4px;padding:0 .25em;font-size:.92em}td.n{text-align:right;white-space:nowrap}.v{font-weight:600;white-space:nowrap}
 .pass{color:var(--pass)}.fail,.floor{color:var(--fail)}.undecided{color:var(--undecided)}.none{color:var(--none)}
 pre{background:var(--panel);border:1px solid var(--line);border-radius:6px;padding:.8rem;overflow-x:auto;font-size:.8rem;line-height:1.45}
-pre.letter{white-space:pre-wrap}.plot{width:100%;max-width:42rem;height:auto;display:block;margin:.8rem 0}
+pre.letter{white-space:pre-wrap}.plot{width:100%;min-width:34rem;max-width:42rem;height:auto;display:block;margin:.8rem 0}
 .plot .grid{stroke:var(--line)}.plot text{fill:var(--ink);font:12px system-ui,sans-serif}.plot .tick{fill:var(--soft);font-size:11px}
 .plot .label{fill:var(--soft)}.plot polyline{fill:none}.plot .exact{stroke:var(--soft);stroke-width:1.5}.plot .predicted{stroke:var(--pred);stroke-width:2;stroke-dasharray:5 4}
 .plot .dot{fill:var(--accent)}.plot .bar{stroke:var(--accent);stroke-width:1.2}.plot .series{stroke:var(--accent);stroke-width:1.5}.plot .s1{stroke:var(--pred)}
@@ -80,9 +80,10 @@ def words(text):
 
 def page(title, body, depth=0):
     up = "../" * depth
+    plain = escape(title.replace("`", ""))
     nav = f'<p><a href="{up}index.html">the league</a></p>' if depth else ""
     return (f'<!doctype html><html lang="en"><meta charset="utf-8"><meta name="viewport" content="width=device-width,initial-scale=1">'
-            f"<title>{escape(title.replace("`", ""))}</title><style>{STYLE}</style><main>{nav}<h1>{words(title)}</h1>{body}</main></html>\n")
+            f"<title>{plain}</title><style>{STYLE}</style><main>{nav}<h1>{words(title)}</h1>{body}</main></html>\n")
 
 
 def table(head, rows, numbers=()):
@@ -143,9 +144,13 @@ def picture(row, found):
         columns, rows = (int(n) for n in row["pixels"].split("x"))
         share = [100 * (m / e - 1) if e > 0 else None for m, e in zip(data.mean, data.exact)]
         z = [(m - e) / s if s > 0 else None for m, e, s in zip(data.mean, data.exact, data.error)]
-        return drawing.signed_map(columns, rows, share, z, title)
+        return scrolled(drawing.signed_map(columns, rows, share, z, title))
     x = ((data.position - data.position[0]) ** 2).sum(axis=1) ** 0.5 + (data.position[0][0] if abs(data.position[0][1] - data.position[-1][1]) < 1e-9 else 0)
-    return drawing.profile(list(x), list(data.exact), list(data.mean), list(data.error), fitting, title)
+    return scrolled(drawing.profile(list(x), list(data.exact), list(data.mean), list(data.error), fitting, title))
+
+
+def scrolled(svg):
+    return f'<div class="scroll">{svg}</div>'
 
 
 def tests_table(found):
@@ -153,9 +158,10 @@ def tests_table(found):
     for one in found:
         fit = f"{one['worst_of_peak']:.1e} (allowed {one['error_of_peak']:.1e})" if "error_of_peak" in one else f"{one['chi2_n']:.2f} ({one['dof']} free)"
         name = one["name"].replace("_", " ")
-        rows.append([f"<b>{name}</b>" if one["fits"] else name, escape(one["words"]) + (f" <span class=soft>{escape(one['fitted'])}</span>" if one["fitted"] else ""),
-                     f'<span class="v {"pass" if one["fits"] else "none"}">{"fits" if one["fits"] else "does not fit"}</span>', fit])
-    return table(["hypothesis", "what it says", "", "chi2/n, or worst deviation of the brightest"], rows)
+        rows.append([f"<b>{name}</b>" if one["fits"] else name,
+                     f'<span class="v {"pass" if one["fits"] else "none"}">{"fits" if one["fits"] else "does not fit"}</span>', fit,
+                     escape(one["words"]) + (f" <span class=soft>{escape(one['fitted'])}</span>" if one["fitted"] else "")])
+    return table(["hypothesis", "", "chi2/n, or worst of the brightest", "what it says"], rows)
 
 
 def plain_table(rows):
@@ -213,7 +219,7 @@ class Report:
             return
         title, told_of = findings.WITNESSES[name]
         version = next((r["version"] for r in rows if r.get("version")), "not installed")
-        body = f"<p>{escape(version)}. {escape(told_of)}</p>"
+        body = f"<p>{escape(version)}. {words(told_of)}</p>"
         notes = sorted({n for r in rows for n in r.get("notes") or []})
         if notes:
             body += "<p class=soft>Said on the way: " + escape("; ".join(notes[:8])) + "</p>"
@@ -229,8 +235,8 @@ class Report:
         for r in drawn[:8]:
             body += f"<h3>{escape(r['case'])}, {escape(r['label'])}: {verdict_cell(r)}</h3>" + picture(r, self.found(r))
             if r.get("errors"):
-                body += drawing.convergence([("worst place", [(n, w) for n, w, _ in r["errors"]]), ("mean", [(n, max(m, 1e-7)) for n, _, m in r["errors"]])],
-                                            f"{r['case']}, {r['label']}: errors against effort")
+                body += scrolled(drawing.convergence([("worst place", [(n, w) for n, w, _ in r["errors"]]), ("mean", [(n, max(m, 1e-7)) for n, _, m in r["errors"]])],
+                                            f"{r['case']}, {r['label']}: errors against effort"))
         self.write(f"witnesses/{name}.html", page(f"{title}, judged", body, 1))
 
     def tables(self):
