@@ -219,7 +219,7 @@ emitter in its place is right at 1 mm, too.
 **Exact steps for others to reproduce the error**
 Run the script below. Expected: values near 1 in all nine pixels.
 
-Over 9 x 9 or 7 x 7 pixels of an orthographic view, against the exact pixel averages:
+Over 9 x 9 pixels of 0.1 m, against the exact pixel averages:
 
 {table}
 
@@ -234,7 +234,7 @@ We guess at cancellation in single precision in the rectangle's solid angle samp
                 "half a pixel, they do not. Columns are right.",
         "scope": "One row of 9 is a lot, one of 1080 is not seen. Perspective cameras were not tested.",
         "workaround": "Move `scene.camera.screenwindow` by one pixel height; all other rows of LuxCore have that.",
-        "draft": """**Title**: Image is shifted by one pixel row (orthographic camera, pyluxcore {version})
+        "draft": """**Title**: Image is shifted by one pixel row (orthographic camera, {version})
 
 **Describe the bug**
 With `screenwindow` -1 1 -1 1 and 8 rows, a strip that covers exactly the second row from the top appears in the third.

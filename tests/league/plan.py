@@ -79,7 +79,7 @@ points("raysect", "control", "targeted", {"observer": "targeted"}, samples=500, 
        quick={"count": 800, "most": 800, "smallest": "1e-2,6e-2"})
 for case in ("disk-050", "rectangle-occluder", "disk-occluder", "sphere-light", "sphere-occluder", "grazing", "contact-10mm"):
     points("raysect", case, "targeted", {"observer": "targeted"}, samples=500, count=2000, most=60000,
-           quick={"count": 800, "most": 800, "smallest": "1e-2,6e-2"} if case == "sphere-light" else None)
+           quick={"count": 800, "most": 800, "smallest": "1e-2,1e-1"} if case in ("sphere-light", "disk-occluder") else None)
 
 # POV-Ray: what it offers for light by area, what it offers for soft shadows alone, and the sum of single lights.
 efforts("povray", "control", "area_illumination", {"recipe": "area_illumination"}, control=True, quick={})
@@ -101,13 +101,15 @@ CENTRE = {"first_sample_at_centre": True}
 images("cycles", "control", "area light", CENTRE, pixels="9x9", samples=64, count=64, most=1500, control=True)
 for case in OPEN + SHADOWS + BALLS + CONTACTS:
     many = case in SHADOWS + ["grazing", "sphere-occluder"]
-    images("cycles", case, "area light", CENTRE, samples=256 if many else 64, count=96, most=1500 if many else 2000)
+    images("cycles", case, "area light", CENTRE, pixels="9x9" if "contact" in case else "7x7", samples=256 if many else 64, count=96,
+           most=1500 if many else 4000)
 for case in ("disk-050", "rectangle", "rectangle-occluder", "disk-occluder", "contact-1mm"):
-    images("cycles", case, "mesh light", {**CENTRE, "light": "mesh"}, samples=64, count=96, most=1500)
+    images("cycles", case, "mesh light", {**CENTRE, "light": "mesh"}, pixels="9x9" if "contact" in case else "7x7",
+           samples=256 if case in SHADOWS else 64, count=96, most=1500)
 images("cycles", "control", "area light, 1 sample, as if spread over the pixel", {}, pixels="5x5", samples=1, count=1500, most=1500)
-images("cycles", "control", "area light, 1 sample", CENTRE, pixels="5x5", samples=1, count=1500, most=1500)
+images("cycles", "control", "area light, 1 sample", CENTRE, pixels="5x5", samples=1, count=1500, most=12000)
 images("cycles", "control", "area light, 4 samples, as if spread over the pixel", {}, pixels="5x5", samples=4, count=1500, most=1500)
-images("cycles", "control", "area light, 4 samples", CENTRE, pixels="5x5", samples=4, count=1500, most=1500)
+images("cycles", "control", "area light, 4 samples", CENTRE, pixels="5x5", samples=4, count=1500, most=12000)
 images("cycles", "control", "area light, blue noise", {**CENTRE, "pattern": "BLUE_NOISE"}, pixels="5x5", samples=16, count=500, most=1500)
 
 # LuxCore: the image is a pixel row off, which the control shows; the rest is judged with the row put back.

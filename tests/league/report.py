@@ -23,7 +23,7 @@ STYLE = """
 @media(prefers-color-scheme:dark){:root{--ink:#e6e7ea;--soft:#a2a6ae;--paper:#15171a;--line:#33373d;--panel:#1d2024;--accent:#7db3f2;
 --pass:#5cc98a;--fail:#ff8a80;--floor:#ff8a80;--undecided:#e3b341;--none:#9a9ea6;--plus:#ff7b6b;--minus:#6aaeff;--pred:#ffa45c}}
 *{box-sizing:border-box}body{margin:0;background:var(--paper);color:var(--ink);font:16px/1.55 system-ui,-apple-system,"Segoe UI",sans-serif}
-main{max-width:60rem;margin:0 auto;padding:1.2rem 1rem 4rem}h1{font-size:1.7rem;line-height:1.25;margin:.4rem 0}h2{font-size:1.2rem;margin:2.2rem 0 .5rem}
+main{max-width:68rem;margin:0 auto;padding:1.2rem 1rem 4rem}h1{font-size:1.7rem;line-height:1.25;margin:.4rem 0}h2{font-size:1.2rem;margin:2.2rem 0 .5rem}
 p{max-width:46rem}a{color:var(--accent)}.soft{color:var(--soft)}.scroll{overflow-x:auto;-webkit-overflow-scrolling:touch}
 table{border-collapse:collapse;font-size:.86rem;font-variant-numeric:tabular-nums;margin:.6rem 0}th,td{padding:.3rem .6rem;border-bottom:1px solid var(--line);text-align:left;vertical-align:top}
 th{font-weight:600;color:var(--soft);white-space:nowrap}td.k{white-space:nowrap}td.w{min-width:15rem}code{background:var(--panel);border-radius:4px;padding:0 .25em;font-size:.92em}td.n{text-align:right;white-space:nowrap}.v{font-weight:600;white-space:nowrap}
@@ -317,6 +317,12 @@ def main():
     with open(os.path.join(given.dir, "results.json")) as file:
         results = json.load(file)
     results["folder"] = os.path.abspath(given.dir) + "/"
+    # A witness that only the quick run has asked stands there with what that could see.
+    quick = os.path.join(given.dir, "results-quick.json")
+    if os.path.exists(quick):
+        have = {r["witness"] for r in results["rows"]}
+        with open(quick) as file:
+            results["rows"] += [r for r in json.load(file)["rows"] if r["witness"] not in have]
     planned = {(e["witness"], e["case"], e["label"]) for e in plan.ENTRIES}
     results["rows"] = [r for r in results["rows"] if (r["witness"], r["case"], r["label"]) in planned]
     explained = predictions.explained(results["rows"], given.etendue, os.path.join(given.dir, "work", "exact"))
