@@ -202,10 +202,12 @@ class League:
             found = json.loads(read(path))
             judged["found"] = found
             verdicts = found.get("verdicts", [])
-            bias = next((v for v in verdicts if v["property"] == "bias"), None)
+            bias = next((v for v in verdicts if v["property"] in ("bias", "limit")), None)
             judged["verdict"] = (bias or found)["verdict"]
+            if entry["mode"] == "efforts":  # Where it goes, rather than whether it is there.
+                judged["verdict"] = {"pass": "converges", "fail": "floor"}.get(judged["verdict"], judged["verdict"])
             judged["words"] = (bias or found).get("words") or ""
-            judged["others"] = {v["property"]: v["verdict"] for v in verdicts if v["property"] != "bias"}
+            judged["others"] = {v["property"]: v["verdict"] for v in verdicts if v["property"] not in ("bias", "limit")}
             for k in ("effect", "effect_low", "effect_high", "evidence_log10", "smallest_bias_mean", "smallest_bias_place"):
                 judged[k] = (bias or {}).get(k)
         else:

@@ -28,7 +28,7 @@ def points(witness, case, label, settings=None, samples=8, count=400, most=4000,
     add(witness, case, label, settings, mode="points", pixels="7x7", samples=samples, count=count, most=most, **more)
 
 
-def efforts(witness, case, label, settings=None, efforts=(81, 289, 1089, 4225, 16641), **more):
+def efforts(witness, case, label, settings=None, efforts=(81, 289, 1089, 4225, 16641, 66049), **more):
     add(witness, case, label, settings, mode="efforts", pixels="7x7", samples=1, count=1, most=1, efforts=list(efforts), **more)
 
 
@@ -62,7 +62,7 @@ for case in ("rectangle", "fields", "grazing", "rectangle-occluder", "sphere-lig
     points("radiance", case, "jittered", LOWERED, most=60000 if case in ("sphere-light", "contact-100mm") else 4000,
            quick={"count": 200, "most": 800} if case == "rectangle-occluder" else None)
 for case in ("disk-025", "disk-050", "disk-100", "disk-occluder", "annular-eclipse", "sphere-occluder"):
-    quick = {"count": 200, "most": 400} if case == "disk-050" else None
+    quick = {"count": 300, "most": 400} if case == "disk-050" else None
     points("radiance", case, "jittered", LOWERED, quick=quick)
     points("radiance", case, "jittered, disk as 64-gon", {**LOWERED, "disk": "polygon"}, quick=quick)
     points("radiance", case, "jittered, disk as strips", {**LOWERED, "disk": "strips"}, samples=1, count=400, most=1600, tolerance=1e-4)
@@ -87,7 +87,7 @@ for case in ("disk-025", "disk-050", "disk-100", "rectangle", "fields"):
     efforts("povray", case, "area_illumination", {"recipe": "area_illumination"})
 for case in SHADOWS + ["sphere-occluder"]:
     efforts("povray", case, "area_illumination", {"recipe": "area_illumination"}, quick={} if case == "rectangle-occluder" else None)
-    efforts("povray", case, "single lights", {"recipe": "points"}, efforts=(81, 289, 1089, 4225))
+    efforts("povray", case, "single lights", {"recipe": "points"}, efforts=(81, 289, 1089, 4225, 16641))
 efforts("povray", "distant-rectangle", "soft shadow", {"recipe": "shadow"}, quick={})
 for turn in (0, 22.5, 45):
     efforts("povray", "distant-disk", f"soft shadow, circular, turned {turn:g} degrees", {"recipe": "shadow", "turn": turn},

@@ -100,7 +100,8 @@ def verdict_cell(row):
 
 def seen(row):
     if row["mode"] == "efforts":
-        return "by convergence"
+        within = re.search(r"within ([\d.]+ %) in the mean, ([\d.]+ %)", row.get("words") or "")
+        return f"within {within.group(1)} / {within.group(2)}" if within else "by convergence"
     return f"{unsigned(row.get('smallest_bias_mean'))} / {unsigned(row.get('smallest_bias_place'))}"
 
 
