@@ -105,7 +105,7 @@ for case in OPEN + SHADOWS + BALLS + CONTACTS:
            most=1500 if many else 4000)
 for case in ("disk-050", "rectangle", "rectangle-occluder", "disk-occluder", "contact-1mm"):
     images("cycles", case, "mesh light", {**CENTRE, "light": "mesh"}, pixels="9x9" if "contact" in case else "7x7",
-           samples=256 if case in SHADOWS else 64, count=96, most=1500)
+           samples=256 if case in SHADOWS + ["disk-050"] else 64, count=96, most=1500)
 images("cycles", "control", "area light, 1 sample, as if spread over the pixel", {}, pixels="5x5", samples=1, count=1500, most=1500)
 images("cycles", "control", "area light, 1 sample", CENTRE, pixels="5x5", samples=1, count=1500, most=12000)
 images("cycles", "control", "area light, 4 samples, as if spread over the pixel", {}, pixels="5x5", samples=4, count=1500, most=1500)

@@ -272,7 +272,8 @@ class Report:
             count = lambda *kinds: len([x for x in mine if kind(x["verdict"]) in kinds])
             version = next((x["version"] for x in mine if x.get("version")), "not installed")
             control = next((x for x in mine if x["control"]), None)
-            rows.append([f'<a href="witnesses/{n}.html">{escape(findings.WITNESSES[n][0])}</a>', escape(version), verdict_cell(control) if control else "",
+            rows.append([f'<a href="witnesses/{n}.html">{escape(findings.WITNESSES[n][0])}</a>',
+                         escape(version) + (", quick run only" if any(x.get("quick") for x in mine) else ""), verdict_cell(control) if control else "",
                          f'<span class=pass>{count("pass")}</span>', f'<span class=fail>{count("fail", "floor")}</span>', count("undecided"), count("none")])
         body += "<h2>Who was asked</h2>" + table(["program", "version", "control", "pass", "deviates", "undecided", "not judged"], rows, (3, 4, 5, 6))
         body += ('<p class=soft>Each verdict is a gate with a false-alarm probability of one in a million, and says what bias it would have seen (99 %). Deterministic '
@@ -323,7 +324,7 @@ def main():
     if os.path.exists(quick):
         have = {r["witness"] for r in results["rows"]}
         with open(quick) as file:
-            results["rows"] += [r for r in json.load(file)["rows"] if r["witness"] not in have]
+            results["rows"] += [{**r, "quick": True} for r in json.load(file)["rows"] if r["witness"] not in have]
     planned = {(e["witness"], e["case"], e["label"]) for e in plan.ENTRIES}
     results["rows"] = [r for r in results["rows"] if (r["witness"], r["case"], r["label"]) in planned]
     explained = predictions.explained(results["rows"], given.etendue, os.path.join(given.dir, "work", "exact"))
