@@ -225,7 +225,8 @@ class League:
         number = r"([-−+]?[\d.]+)"
         found = re.search(number + r" ± " + number + r" %\s+" + number + r" / " + number + r" %\s+(\S+)", line.group(2))
         value = [float(x.replace("−", "-").replace("∞", "inf")) for x in found.groups()]
-        told = " ".join(text[text.find("\n", line.end()):].split())
+        # The command that follows names folders of this machine.
+        told = " ".join(text[text.find("\n", line.end()):].split()).split(" again: ")[0]
         return {"verdict": words[line.group(1)], "words": told[:400], "effect": value[0] / 100, "effect_low": (value[0] - value[1]) / 100,
                 "effect_high": (value[0] + value[1]) / 100, "smallest_bias_mean": value[2] / 100, "smallest_bias_place": value[3] / 100,
                 "evidence_log10": value[4]}
