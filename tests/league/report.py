@@ -51,6 +51,11 @@ def unsigned(share):
     return "" if share is None or not math.isfinite(share) else f"{100 * share:.2g} %"
 
 
+def spoken(text):
+    """What the judge said, without the paths of this machine and the command that repeats it."""
+    return re.sub(r"(?<![\w.])/\S*/", "", re.sub(r" again:? .*", "", text or ""))
+
+
 def sized(row):
     """Adds what the tables of a row say: deviation of the mean, the worst place."""
     row["data"] = None
@@ -250,7 +255,7 @@ class Report:
                 write.writerow([r["witness"], r.get("version", ""), r["case"], r["label"], r["control"], r["verdict"], r.get("smallest_bias_mean"),
                                 r.get("smallest_bias_place"), r.get("mean_dev"), r.get("mean_error"), r.get("worst_of_peak"), r.get("worst_error"),
                                 r.get("evidence_log10"), r.get("count"), r["samples"], r["pixels"] if r["mode"] == "images" else "",
-                                round(r.get("seconds") or 0, 1), (r.get("words") or "").replace(self.results["folder"], "")])
+                                round(r.get("seconds") or 0, 1), spoken(r.get("words"))])
         with open(os.path.join(self.out, "predictions.csv"), "w", newline="") as file:
             write = csv.writer(file)
             write.writerow(["row", "hypothesis", "fits", "chi2_n", "dof", "worst_of_peak", "allowed_of_peak", "fitted"])
@@ -318,7 +323,6 @@ def main():
     given = line.parse_args()
     with open(os.path.join(given.dir, "results.json")) as file:
         results = json.load(file)
-    results["folder"] = os.path.abspath(given.dir) + "/"
     # A witness that only the quick run has asked stands there with what that could see.
     quick = os.path.join(given.dir, "results-quick.json")
     if os.path.exists(quick):
