@@ -2,9 +2,10 @@
 
 use rayon::prelude::*;
 
+use crate::configuration::Configuration;
 use crate::external::PixelGrid;
 use crate::external::image::Stack;
-use crate::geometry::Rectangle;
+use crate::geometry::{Rectangle, Shape};
 use crate::oracle::patch::{Footprint, Tolerance, footprint, footprint_average};
 use crate::oracle::{Oracle, Region};
 
@@ -67,7 +68,15 @@ impl Noise {
 }
 
 /// The exact means, pixels in parallel. `[row][column]`.
-pub(super) fn truths(oracle: &Oracle, grid: &PixelGrid, ray_epsilon: f64, noise: &Noise) -> Vec<PixelTruth> {
+///
+/// - `evaluations`: of the exact point value, at most about so many for all of them
+pub(super) fn truths(
+    oracle: &Oracle,
+    grid: &PixelGrid,
+    ray_epsilon: f64,
+    noise: &Noise,
+    evaluations: u64,
+) -> Vec<PixelTruth> {
     let n = grid.n_pixels();
     let pixel =
         |p: usize| grid.footprint(grid.place(p)).expect("a grid's pixels are rectangles, or there is no grid");
@@ -79,7 +88,7 @@ pub(super) fn truths(oracle: &Oracle, grid: &PixelGrid, ray_epsilon: f64, noise:
     // The mean over all pixels has a standard error that is smaller by √n; those that are crossed share what it grants.
     let crossed = looks.iter().filter(|look| coarse(look, single)).count().max(1) as f64;
     let granted = single.min(single * (n as f64).sqrt() / crossed).max(FINEST * mean);
-    let most_evaluations = (EVALUATIONS / crossed as u64).clamp(FEWEST_EVALUATIONS, MOST_EVALUATIONS);
+    let most_evaluations = (evaluations / crossed as u64).clamp(FEWEST_EVALUATIONS, MOST_EVALUATIONS);
     let smooth = single.min(single / (n as f64).sqrt().max(1.0)).max(FINEST * mean);
     (0..n)
         .into_par_iter()
@@ -105,9 +114,17 @@ pub(super) fn truths(oracle: &Oracle, grid: &PixelGrid, ray_epsilon: f64, noise:
 
 /// Of the exact point value, for all pixels that are crossed together, and for one of them. Where they do not do, the bound
 /// says so, and verdicts allow for it.
-const EVALUATIONS: u64 = 1_000_000;
+const EVALUATIONS: u64 = 20_000_000;
 const FEWEST_EVALUATIONS: u64 = 500;
-const MOST_EVALUATIONS: u64 = 20_000;
+const MOST_EVALUATIONS: u64 = 1_000_000;
+/// What a value behind a mesh costs, in values behind one of the other shapes.
+const COST_OF_A_MESH: u64 = 20;
+
+/// Evaluations that there is time for.
+pub(super) fn evaluations(configuration: &Configuration) -> u64 {
+    let has_mesh = configuration.occluders().iter().any(|shape| matches!(shape, Shape::Mesh(_)));
+    if has_mesh { EVALUATIONS / COST_OF_A_MESH } else { EVALUATIONS }
+}
 
 fn truth(look: &Footprint, irradiance: f64, bound: f64, footprint: &Rectangle, ray_epsilon: f64) -> PixelTruth {
     let [least, most] = look.range.map(|x| x.watts_per_square_metre());

@@ -209,7 +209,7 @@ pub fn judge_images(case: &Case, grid: &PixelGrid, stack: &Stack, terms: &ImageT
     let oracle = Oracle::new(&case.configuration);
     let ray_epsilon = terms.ray_epsilon.unwrap_or_else(|| usual_epsilon(grid));
     let noise = exact::Noise::of(stack, terms.irradiance_of_value);
-    let mut truths = exact::truths(&oracle, grid, ray_epsilon, &noise);
+    let mut truths = exact::truths(&oracle, grid, ray_epsilon, &noise, exact::evaluations(&case.configuration));
     if terms.first_sample_at_centre {
         truths.iter_mut().for_each(|truth| truth.lean_on_the_middle(terms.samples_per_pixel));
     }
