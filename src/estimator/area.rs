@@ -10,25 +10,26 @@
 //! depend on the width of the instruction set.
 
 use std::num::NonZero;
+use std::ops::Range;
 
 use super::emitter::{Emitter, Scratch, add_lanes, emitters};
-use super::width::{Arch, NullaryFnOnce};
 use super::{Estimator, Job};
 use crate::configuration::Configuration;
+use crate::number::{Machine, Registers, Work};
 use crate::sampling::{BLOCK, LANES, Lanes, Pattern, Squares, StreamKey, SurfaceBlock, fill_side_by_side};
 use crate::scene::Surroundings;
 
 /// Estimates irradiance at any point of a configuration.
 pub struct AreaEstimator {
     emitters: Vec<Emitter>,
-    arch: Arch,
+    machine: Machine,
 }
 
 impl AreaEstimator {
     /// Prepares surfaces and hierarchies.
     pub fn new(configuration: &Configuration) -> AreaEstimator {
         let emitters = emitters(configuration, &Surroundings::new(configuration));
-        AreaEstimator { emitters, arch: Arch::new() }
+        AreaEstimator { emitters, machine: Machine::new() }
     }
 }
 
@@ -40,7 +41,7 @@ impl Estimator for AreaEstimator {
     fn estimate(&self, job: &Job, scratch: &mut Scratch, estimates: &mut [f64]) {
         // One source text, compiled for each instruction set and chosen at run time. Rust never fuses a multiplication
         // and an addition by itself, so the set changes the speed and no bit.
-        self.arch.dispatch(Estimate { emitters: &self.emitters, job, scratch, estimates });
+        self.machine.run(Estimate { emitters: &self.emitters, job, scratch, estimates });
     }
 }
 
@@ -52,16 +53,16 @@ struct Estimate<'a, 'b> {
     estimates: &'a mut [f64],
 }
 
-impl NullaryFnOnce for Estimate<'_, '_> {
+impl Work for Estimate<'_, '_> {
     type Output = ();
 
     #[inline(always)]
-    fn call(self) {
+    fn run<R: Registers>(self, registers: R) {
         let Estimate { emitters, job, scratch, estimates } = self;
         estimates.fill(0.0);
         let Some(stride) = NonZero::new((job.replicates.end - job.replicates.start) as usize) else { return };
         for (index, emitter) in emitters.iter().enumerate() {
-            let place = Place { emitter, source: index as u64, stride: stride.get() };
+            let place = Place { registers, emitter, source: index as u64, stride: stride.get() };
             // Small estimates fill a block only together.
             match job.samples {
                 1 => place.several_at_once::<1>(job, scratch, estimates),
@@ -75,14 +76,15 @@ impl NullaryFnOnce for Estimate<'_, '_> {
 }
 
 /// One source's part of a job.
-struct Place<'a> {
+struct Place<'a, R> {
+    registers: R,
     emitter: &'a Emitter,
     source: u64,
     /// Replicates of the job.
     stride: usize,
 }
 
-impl Place<'_> {
+impl<R: Registers> Place<'_, R> {
     /// The stream of one estimate; `point` counted from 1, 0 where points are shared.
     #[inline(always)]
     fn key(&self, job: &Job, replicate: u64, point: u64) -> StreamKey {
@@ -116,10 +118,10 @@ impl Place<'_> {
                 while left > 0 {
                     let len = left.min(BLOCK as u64) as usize;
                     pattern.fill(squares, len);
-                    self.emitter.surface.place(squares, len, places);
-                    self.emitter.illuminate(point, places, len, shading);
+                    self.emitter.place(self.registers, squares, len, places);
+                    self.emitter.illuminate(self.registers, point, places, len, shading);
                     self.emitter.weigh(places, len, shading);
-                    shading.add_to(&mut sum, len);
+                    shading.add_to(self.registers, &mut sum, len);
                     left -= len as u64;
                 }
                 estimates[p * self.stride + r] += self.emitter.strength * add_lanes(&sum) / job.samples as f64;
@@ -139,11 +141,11 @@ impl Place<'_> {
             while left > 0 {
                 let len = left.min(BLOCK as u64) as usize;
                 pattern.fill(squares, len);
-                self.emitter.surface.place(squares, len, places);
+                self.emitter.place(self.registers, squares, len, places);
                 for (point, sum) in job.points.iter().zip(sums.iter_mut()) {
-                    self.emitter.illuminate(point, places, len, shading);
+                    self.emitter.illuminate(self.registers, point, places, len, shading);
                     self.emitter.weigh(places, len, shading);
-                    shading.add_to(sum, len);
+                    shading.add_to(self.registers, sum, len);
                 }
                 left -= len as u64;
             }
@@ -153,6 +155,25 @@ impl Place<'_> {
         }
     }
 
+    /// Points of a small estimate's replicates, side by side; `point` as in [`Place::key`].
+    #[inline(always)]
+    fn scatter<const N: usize>(
+        &self,
+        job: &Job,
+        replicates: Range<u64>,
+        point: u64,
+        keys: &mut Vec<StreamKey>,
+        squares: &mut Squares,
+        places: &mut SurfaceBlock,
+    ) {
+        keys.clear();
+        for replicate in replicates {
+            keys.push(self.key(job, replicate, point));
+        }
+        fill_side_by_side(job.strategy, N, keys, squares);
+        self.emitter.place(self.registers, squares, N * keys.len(), places);
+    }
+
     /// As many replicates of a small estimate as a block holds, side by side: the same numbers, bit for bit, as one by
     /// one, without the empty lanes.
     #[inline(always)]
@@ -160,21 +181,16 @@ impl Place<'_> {
         let Scratch { squares, places, shading, keys, .. } = scratch;
         for start in (0..self.stride).step_by(BLOCK / N) {
             let count = (self.stride - start).min(BLOCK / N);
-            let mut scatter = |point: u64, squares: &mut Squares, places: &mut SurfaceBlock| {
-                keys.clear();
-                let first = job.replicates.start + start as u64;
-                keys.extend((first..first + count as u64).map(|replicate| self.key(job, replicate, point)));
-                fill_side_by_side(job.strategy, N, keys, squares);
-                self.emitter.surface.place(squares, N * count, places);
-            };
+            let first = job.replicates.start + start as u64;
+            let replicates = first..first + count as u64;
             if job.strategy.shares_points() {
-                scatter(0, squares, places);
+                self.scatter::<N>(job, replicates.clone(), 0, keys, squares, places);
             }
             for (p, point) in job.points.iter().enumerate() {
                 if !job.strategy.shares_points() {
-                    scatter(p as u64 + 1, squares, places);
+                    self.scatter::<N>(job, replicates.clone(), p as u64 + 1, keys, squares, places);
                 }
-                self.emitter.illuminate(point, places, N * count, shading);
+                self.emitter.illuminate(self.registers, point, places, N * count, shading);
                 self.emitter.weigh(places, N * count, shading);
                 let row = &mut estimates[p * self.stride + start..][..count];
                 let (contributions, _) = shading.contributions.as_flattened().as_chunks::<N>();
@@ -192,6 +208,7 @@ mod tests {
     use super::*;
     use crate::configuration::{Arrangement, MeasurementPoint, Source};
     use crate::geometry::{DVec3, Disk, Rectangle, Shape, Sphere};
+    use crate::number::Arrays;
     use crate::radiometry::Exitance;
     use crate::sampling::{Strategy, Technique};
 
@@ -290,7 +307,7 @@ mod tests {
                 for (r, together) in together.iter().enumerate() {
                     let one = Job { replicates: 5 + r as u64..6 + r as u64, ..all.clone() };
                     let mut alone = [0.0];
-                    let place = Place { emitter: &estimator.emitters[0], source: 0, stride: 1 };
+                    let place = Place { registers: Arrays, emitter: &estimator.emitters[0], source: 0, stride: 1 };
                     place.one_by_one(&one, &mut scratch, &mut alone);
                     assert_eq!(alone[0].to_bits(), together.to_bits(), "{strategy} N = {samples} replicate {r}");
                 }

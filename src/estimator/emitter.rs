@@ -6,6 +6,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::configuration::{Configuration, MeasurementPoint, Source};
+use crate::number::{Eight, Lanewise, Registers};
 use crate::sampling::{BLOCK, LANES, Row, Squares, StreamKey, Surface, SurfaceBlock, groups};
 use crate::scene::{Blocker, ShadowRays, Surroundings};
 use crate::texture::Texture;
@@ -32,6 +33,7 @@ pub struct Scratch {
 }
 
 /// Rays of one block from one point, and what each brings.
+#[repr(align(64))]
 pub(super) struct Shading {
     rays: ShadowRays,
     pub(super) contributions: Row,
@@ -71,12 +73,12 @@ impl Shading {
 
     /// Adds a block's contributions to the lanes of a sum.
     #[inline(always)]
-    pub(super) fn add_to(&self, sum: &mut [f64; LANES], len: usize) {
+    pub(super) fn add_to<R: Registers>(&self, registers: R, sum: &mut [f64; LANES], len: usize) {
+        let mut lanes = Eight::load(registers, sum);
         for group in &self.contributions[..groups(len)] {
-            for (sum, contribution) in sum.iter_mut().zip(group) {
-                *sum += contribution;
-            }
+            lanes = lanes + Eight::load(registers, group);
         }
+        lanes.store(sum);
     }
 }
 
@@ -93,8 +95,8 @@ impl Emitter {
 
     /// Puts the first `len` points of a block on the source.
     #[inline(always)]
-    pub(super) fn place(&self, squares: &Squares, len: usize, places: &mut SurfaceBlock) {
-        self.surface.place(squares, len, places);
+    pub(super) fn place<R: Registers>(&self, registers: R, squares: &Squares, len: usize, places: &mut SurfaceBlock) {
+        self.surface.place_in(registers, squares, len, places);
     }
 
     /// The exitance at a place of a block, W/m²; 1 where that is no matter of the place.
@@ -105,13 +107,10 @@ impl Emitter {
     }
 
     /// Sets the contributions of one block of source points to cosθᵢ cosθₛ / r² · Vis.
-    #[expect(
-        clippy::needless_range_loop,
-        reason = "one index over several rows is what the compiler makes vectors of"
-    )]
     #[inline(always)]
-    pub(super) fn illuminate(
+    pub(super) fn illuminate<R: Registers>(
         &self,
+        registers: R,
         point: &MeasurementPoint,
         places: &SurfaceBlock,
         len: usize,
@@ -120,42 +119,38 @@ impl Emitter {
         let offset = self.surface.origin() - point.position();
         let normal = point.normal();
         let Shading { rays, contributions } = shading;
-        for g in 0..groups(len) {
-            for l in 0..LANES {
-                rays.x[g][l] = offset.x + places.x[g][l];
-                rays.y[g][l] = offset.y + places.y[g][l];
-                rays.z[g][l] = offset.z + places.z[g][l];
-            }
-        }
         if let Some(source_normal) = self.surface.flat_normal() {
             // r cosθₛ is the height of the point over the source's plane, the same for the whole source.
             let height = (-offset.dot(source_normal)).max(0.0);
             for g in 0..groups(len) {
-                for l in 0..LANES {
-                    let d = rays.ray(g, l);
-                    let r2 = d.length_squared();
-                    contributions[g][l] = normal.dot(d).max(0.0) * height / (r2 * r2);
-                }
+                let (x, y, z) = displaced(registers, offset, places, g);
+                keep(rays, g, (x, y, z));
+                let r2 = x * x + y * y + z * z;
+                let cosine = (x * normal.x + y * normal.y + z * normal.z).positive();
+                (cosine * height / (r2 * r2)).store(&mut contributions[g]);
             }
             if height == 0.0 {
                 return;
             }
         } else if let Some(radius) = self.surface.sphere_radius() {
             for g in 0..groups(len) {
-                for l in 0..LANES {
-                    let d = rays.ray(g, l);
-                    let r2 = d.length_squared();
-                    // r cosθₛ with the sphere's normal at the point, its offset over the radius.
-                    let height = -(places.x[g][l] * d.x + places.y[g][l] * d.y + places.z[g][l] * d.z) / radius;
-                    contributions[g][l] = normal.dot(d).max(0.0) * height.max(0.0) / (r2 * r2);
-                }
+                let (x, y, z) = displaced(registers, offset, places, g);
+                keep(rays, g, (x, y, z));
+                let r2 = x * x + y * y + z * z;
+                let cosine = (x * normal.x + y * normal.y + z * normal.z).positive();
+                // r cosθₛ with the sphere's normal at the point, its offset over the radius.
+                let [px, py, pz] = [&places.x[g], &places.y[g], &places.z[g]];
+                let (px, py, pz) =
+                    (Eight::load(registers, px), Eight::load(registers, py), Eight::load(registers, pz));
+                let height = -(px * x + py * y + pz * z) / radius;
+                (cosine * height.positive() / (r2 * r2)).store(&mut contributions[g]);
             }
         }
         if !len.is_multiple_of(LANES) {
             contributions[len / LANES][len % LANES..].fill(0.0);
         }
         for blocker in &self.blockers {
-            blocker.shade(point.position(), rays, len, contributions);
+            blocker.shade_in(registers, point.position(), rays, len, contributions);
         }
     }
 
@@ -173,6 +168,28 @@ impl Emitter {
             }
         }
     }
+}
+
+/// From the shading point to eight places.
+#[inline(always)]
+fn displaced<R: Registers>(
+    registers: R,
+    offset: DVec3,
+    places: &SurfaceBlock,
+    g: usize,
+) -> (Eight<R>, Eight<R>, Eight<R>) {
+    (
+        Eight::load(registers, &places.x[g]) + offset.x,
+        Eight::load(registers, &places.y[g]) + offset.y,
+        Eight::load(registers, &places.z[g]) + offset.z,
+    )
+}
+
+#[inline(always)]
+fn keep<R: Registers>(rays: &mut ShadowRays, g: usize, (x, y, z): (Eight<R>, Eight<R>, Eight<R>)) {
+    x.store(&mut rays.x[g]);
+    y.store(&mut rays.y[g]);
+    z.store(&mut rays.z[g]);
 }
 
 /// The lanes of a sum, added in a fixed order.

@@ -2,30 +2,24 @@
 
 use std::f64::consts::FRAC_PI_4;
 
+use crate::number::Lanewise;
+
 /// (sin(t π/4), cos(t π/4)).
 ///
 /// - `t`: in [−1, 1]
 /// - error: absolute, below 3 · 2⁻⁵³ for both (the Taylor remainders are below 2⁻⁵⁴ at the ends; the rest is rounding)
 /// - source: Taylor series of sine to order 15 and cosine to order 16
 #[inline(always)]
-pub(super) fn sin_cos_eighth(t: f64) -> (f64, f64) {
+pub(super) fn sin_cos_eighth<T: Lanewise>(t: T) -> (T, T) {
     let x = t * FRAC_PI_4;
     let y = x * x;
-    let sin = y
-        * (-1.0 / 6.0
-            + y * (1.0 / 120.0
-                + y * (-1.0 / 5040.0
-                    + y * (1.0 / 362_880.0
-                        + y * (-1.0 / 39_916_800.0 + y * (1.0 / 6_227_020_800.0 - y / 1_307_674_368_000.0))))));
-    let cos = y
-        * (-0.5
-            + y * (1.0 / 24.0
-                + y * (-1.0 / 720.0
-                    + y * (1.0 / 40_320.0
-                        + y * (-1.0 / 3_628_800.0
-                            + y * (1.0 / 479_001_600.0
-                                + y * (-1.0 / 87_178_291_200.0 + y / 20_922_789_888_000.0)))))));
-    (x + x * sin, 1.0 + cos)
+    let sin = y * (-1.0 / 1_307_674_368_000.0) + 1.0 / 6_227_020_800.0;
+    let sin = y * (y * (y * sin - 1.0 / 39_916_800.0) + 1.0 / 362_880.0) - 1.0 / 5040.0;
+    let sin = y * (y * (y * sin + 1.0 / 120.0) - 1.0 / 6.0);
+    let cos = y * (1.0 / 20_922_789_888_000.0) - 1.0 / 87_178_291_200.0;
+    let cos = y * (y * (y * cos + 1.0 / 479_001_600.0) - 1.0 / 3_628_800.0) + 1.0 / 40_320.0;
+    let cos = y * (y * (y * (y * cos - 1.0 / 720.0) + 1.0 / 24.0) - 0.5);
+    (x + x * sin, cos + 1.0)
 }
 
 #[cfg(test)]

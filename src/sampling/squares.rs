@@ -4,6 +4,7 @@ use super::{BLOCK, LANES, Row};
 
 /// One block of points of the unit square.
 #[derive(Clone, Debug)]
+#[repr(align(64))]
 pub struct Squares {
     pub u: Row,
     pub v: Row,

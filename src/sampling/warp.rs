@@ -11,6 +11,7 @@ use super::arc::sin_cos_eighth;
 use super::{BLOCK, LANES, Row, Squares, groups};
 use crate::geometry::partition::{Axes, Outline, Partition, quarters};
 use crate::geometry::{Frame, Polygon, Shape};
+use crate::number::{Arrays, Eight, Lanewise, Registers};
 
 /// Halvings of u and of v before a torn polygon's cells are swept by chords: 1024 cells.
 const LEVELS: u32 = 5;
@@ -19,6 +20,7 @@ const DEEPER: u32 = 8;
 
 /// One block of points on a surface, as offsets from the surface's origin, metres.
 #[derive(Clone, Debug)]
+#[repr(align(64))]
 pub struct SurfaceBlock {
     pub x: Row,
     pub y: Row,
@@ -169,41 +171,97 @@ impl Surface {
     }
 
     /// Puts the first `len` points of a block (rounded up to whole lanes) on the surface.
-    #[inline(always)]
     pub fn place(&self, squares: &Squares, len: usize, out: &mut SurfaceBlock) {
+        self.place_in(Arrays, squares, len, out);
+    }
+
+    /// As [`Surface::place`], in these registers.
+    #[inline(always)]
+    pub(crate) fn place_in<R: Registers>(&self, registers: R, squares: &Squares, len: usize, out: &mut SurfaceBlock) {
         match &self.chart {
             Chart::Parallelogram { edge_u, edge_v, .. } => {
-                place_flat(squares, len, out, *edge_u, *edge_v, |u, v| (u - 0.5, v - 0.5));
+                place_flat(registers, squares, len, out, [*edge_u, *edge_v], Centred);
             }
-            Chart::Disk { tangent, bitangent, .. } => place_flat(squares, len, out, *tangent, *bitangent, concentric),
+            Chart::Disk { tangent, bitangent, .. } => {
+                place_flat(registers, squares, len, out, [*tangent, *bitangent], Concentric);
+            }
             Chart::Triangle { to_second, to_third, .. } => {
-                place_flat(squares, len, out, *to_second, *to_third, fold);
+                place_flat(registers, squares, len, out, [*to_second, *to_third], Folded);
             }
             Chart::Chords { sweep, along, slabs, .. } => {
-                place_flat(squares, len, out, *sweep, *along, |u, v| on_chord(slabs, u, v));
+                place_one_by_one(squares, len, out, [*sweep, *along], |u, v| on_chord(slabs, u, v));
             }
             Chart::Cells { sweep, along, slabs, cells, .. } => {
-                place_flat(squares, len, out, *sweep, *along, |u, v| in_cell(slabs, cells, u, v));
+                place_one_by_one(squares, len, out, [*sweep, *along], |u, v| in_cell(slabs, cells, u, v));
             }
             Chart::Sphere { radius } => {
                 for g in 0..groups(len) {
-                    for l in 0..LANES {
-                        let (x, y, z) = octahedral(squares.u[g][l], squares.v[g][l]);
-                        (out.x[g][l], out.y[g][l], out.z[g][l]) = (x * radius, y * radius, z * radius);
-                    }
+                    let (u, v) = (Eight::load(registers, &squares.u[g]), Eight::load(registers, &squares.v[g]));
+                    let (x, y, z) = octahedral(u, v);
+                    (x * *radius).store(&mut out.x[g]);
+                    (y * *radius).store(&mut out.y[g]);
+                    (z * *radius).store(&mut out.z[g]);
                 }
             }
         }
     }
 }
 
+/// A map from the unit square to coordinates along two axes.
+trait FlatChart {
+    fn at<T: Lanewise>(&self, u: T, v: T) -> (T, T);
+}
+
+/// The square itself, around its middle.
+struct Centred;
+/// See [`concentric`].
+struct Concentric;
+/// See [`fold`].
+struct Folded;
+
+impl FlatChart for Centred {
+    #[inline(always)]
+    fn at<T: Lanewise>(&self, u: T, v: T) -> (T, T) {
+        (u - 0.5, v - 0.5)
+    }
+}
+
+impl FlatChart for Concentric {
+    #[inline(always)]
+    fn at<T: Lanewise>(&self, u: T, v: T) -> (T, T) {
+        concentric_lanes(u, v)
+    }
+}
+
+impl FlatChart for Folded {
+    #[inline(always)]
+    fn at<T: Lanewise>(&self, u: T, v: T) -> (T, T) {
+        fold(u, v)
+    }
+}
+
 #[inline(always)]
-fn place_flat(
+fn place_flat<R: Registers>(
+    registers: R,
     squares: &Squares,
     len: usize,
     out: &mut SurfaceBlock,
-    first: DVec3,
-    second: DVec3,
+    [first, second]: [DVec3; 2],
+    chart: impl FlatChart,
+) {
+    for g in 0..groups(len) {
+        let (a, b) = chart.at(Eight::load(registers, &squares.u[g]), Eight::load(registers, &squares.v[g]));
+        (a * first.x + b * second.x).store(&mut out.x[g]);
+        (a * first.y + b * second.y).store(&mut out.y[g]);
+        (a * first.z + b * second.z).store(&mut out.z[g]);
+    }
+}
+
+fn place_one_by_one(
+    squares: &Squares,
+    len: usize,
+    out: &mut SurfaceBlock,
+    [first, second]: [DVec3; 2],
     chart: impl Fn(f64, f64) -> (f64, f64),
 ) {
     for g in 0..groups(len) {
@@ -222,30 +280,46 @@ fn place_flat(
 /// - error: a few 2⁻⁵³
 #[inline(always)]
 pub fn concentric(u: f64, v: f64) -> (f64, f64) {
-    let (a, b) = (2.0 * u - 1.0, 2.0 * v - 1.0);
-    let a_leads = a.abs() > b.abs();
-    let (radius, other) = if a_leads { (a, b) } else { (b, a) };
-    let (sin, cos) = sin_cos_eighth(if radius == 0.0 { 0.0 } else { other / radius });
-    if a_leads { (radius * cos, radius * sin) } else { (radius * sin, radius * cos) }
+    concentric_lanes(u, v)
+}
+
+/// As [`concentric`], for one point or several.
+#[inline(always)]
+pub(super) fn concentric_lanes<T: Lanewise>(u: T, v: T) -> (T, T) {
+    let (a, b) = (u * 2.0 - 1.0, v * 2.0 - 1.0);
+    let a_leads = b.abs().is_below(a.abs());
+    let (radius, other) = (T::choose(a_leads, a, b), T::choose(a_leads, b, a));
+    let (sin, cos) = sin_cos_eighth(T::choose(radius.is_zero(), radius.like(0.0), other / radius));
+    let (leading, following) = (radius * cos, radius * sin);
+    (T::choose(a_leads, leading, following), T::choose(a_leads, following, leading))
 }
 
 /// From the unit square to barycentric weights of the second and third vertex.
 #[inline(always)]
-fn fold(u: f64, v: f64) -> (f64, f64) {
-    let low = 0.5 * u.min(v);
+fn fold<T: Lanewise>(u: T, v: T) -> (T, T) {
+    let low = u.at_most(v) * 0.5;
     (u - low, v - low)
 }
 
 /// From the unit square to the unit sphere.
 #[inline(always)]
-fn octahedral(u: f64, v: f64) -> (f64, f64, f64) {
-    let (a, b) = (2.0 * u - 1.0, 2.0 * v - 1.0);
-    let height = 1.0 - (a.abs() + b.abs());
-    let radius = 1.0 - height.abs();
-    let (sin, cos) = sin_cos_eighth(if radius == 0.0 { 0.0 } else { (b.abs() - a.abs()) / radius });
-    let ring = radius * (2.0 - radius * radius).sqrt() * FRAC_1_SQRT_2;
-    let z = (1.0 - radius * radius).copysign(height);
-    ((ring * (cos - sin)).copysign(a), (ring * (cos + sin)).copysign(b), z)
+fn octahedral<T: Lanewise>(u: T, v: T) -> (T, T, T) {
+    let (a, b) = (u * 2.0 - 1.0, v * 2.0 - 1.0);
+    let one = a.like(1.0);
+    let height = one - (a.abs() + b.abs());
+    let radius = one - height.abs();
+    let turn = T::choose(radius.is_zero(), radius.like(0.0), (b.abs() - a.abs()) / radius);
+    let (sin, cos) = sin_cos_eighth(turn);
+    let ring = radius * (a.like(2.0) - radius * radius).sqrt() * FRAC_1_SQRT_2;
+    let z = signed(one - radius * radius, height);
+    (signed(ring * (cos - sin), a), signed(ring * (cos + sin), b), z)
+}
+
+/// The size of one number with the sign of another.
+#[inline(always)]
+fn signed<T: Lanewise>(size: T, sign: T) -> T {
+    let size = size.abs();
+    T::choose(sign.is_below(sign.like(0.0)), -size, size)
 }
 
 /// From the unit square to a cell, and there to a chord.

@@ -4,10 +4,12 @@ use glam::DVec3;
 
 use super::Hierarchy;
 use crate::geometry::{Frame, Polygon, Shape};
+use crate::number::{Arrays, Eight, Lanewise, Registers};
 use crate::sampling::{BLOCK, LANES, Row, groups};
 
 /// A block of shadow rays from one shading point: displacements to the points on the source, metres.
 #[derive(Clone, Debug)]
+#[repr(align(64))]
 pub struct ShadowRays {
     pub x: Row,
     pub y: Row,
@@ -103,80 +105,173 @@ impl Blocker {
     /// Sets to zero the contributions of the rays that this blocks, among the first `len` (rounded up to whole lanes).
     ///
     /// - `from`: the shading point, metres
-    #[expect(
-        clippy::needless_range_loop,
-        reason = "one index over several rows is what the compiler makes vectors of"
-    )]
-    #[inline(always)]
     pub fn shade(&self, from: DVec3, rays: &ShadowRays, len: usize, contributions: &mut Row) {
+        self.shade_in(Arrays, from, rays, len, contributions);
+    }
+
+    /// As [`Blocker::shade`], in these registers.
+    #[inline(always)]
+    pub(crate) fn shade_in<R: Registers>(
+        &self,
+        registers: R,
+        from: DVec3,
+        rays: &ShadowRays,
+        len: usize,
+        contributions: &mut Row,
+    ) {
         match self {
             Blocker::Disk { center, normal, radius_squared } => {
-                let offset = from - *center;
-                shade_flat(offset, *normal, rays, len, contributions, |q, s| {
-                    q.length_squared() < radius_squared * s * s
-                });
+                let disk = InDisk { radius_squared: *radius_squared };
+                shade_by(
+                    registers,
+                    Flat { offset: from - *center, normal: *normal, inside: disk },
+                    rays,
+                    len,
+                    contributions,
+                );
             }
             Blocker::Parallelogram { center, normal, dual_u, dual_v } => {
-                let offset = from - *center;
-                shade_flat(offset, *normal, rays, len, contributions, |q, s| {
-                    let half = 0.5 * s.abs();
-                    (q.dot(*dual_u).abs() < half) & (q.dot(*dual_v).abs() < half)
-                });
+                let inside = InParallelogram { dual_u: *dual_u, dual_v: *dual_v };
+                shade_by(
+                    registers,
+                    Flat { offset: from - *center, normal: *normal, inside },
+                    rays,
+                    len,
+                    contributions,
+                );
             }
             Blocker::Polygon { anchor, frame, edges } => {
-                let offset = from - *anchor;
-                shade_flat(offset, frame.normal, rays, len, contributions, |q, s| {
-                    let (x, y) = (q.dot(frame.tangent) / s, q.dot(frame.bitangent) / s);
-                    edges.iter().fold(false, |inside, edge| inside ^ edge.is_right_of(x, y))
-                });
+                let inside = InOutline { frame, edges };
+                let flat = Flat { offset: from - *anchor, normal: frame.normal, inside };
+                shade_by(registers, flat, rays, len, contributions);
             }
             Blocker::Ball { center, radius_squared } => {
-                let offset = from - *center;
-                for g in 0..groups(len) {
-                    for l in 0..LANES {
-                        let d = rays.ray(g, l);
-                        let nearest = (-offset.dot(d) / d.length_squared()).clamp(0.0, 1.0);
-                        let blocked = (offset + d * nearest).length_squared() < *radius_squared;
-                        contributions[g][l] = if blocked { 0.0 } else { contributions[g][l] };
-                    }
-                }
+                let ball = Ball { offset: from - *center, radius_squared: *radius_squared };
+                shade_by(registers, ball, rays, len, contributions);
             }
-            Blocker::Mesh(hierarchy) => {
-                for g in 0..groups(len) {
-                    for l in 0..LANES {
-                        // A ray that carries nothing (padding, too) need not be traced.
-                        if contributions[g][l] != 0.0 && hierarchy.blocks(from, from + rays.ray(g, l)) {
-                            contributions[g][l] = 0.0;
-                        }
-                    }
-                }
-            }
+            Blocker::Mesh(hierarchy) => hierarchy.shade(from, rays, len, contributions),
         }
     }
 }
 
-/// Shades by a flat piece. The ray meets its plane at parameter h₀ / s, with h₀ the height of the shading point and s
-/// the drop along the ray; `inside` is asked about s times the meeting point (from the piece's origin) and s, so that
-/// no division is needed where a comparison will do.
-#[expect(clippy::needless_range_loop, reason = "one index over several rows is what the compiler makes vectors of")]
+/// One displacement, or several side by side.
+type Displacement<T> = [T; 3];
+
 #[inline(always)]
-fn shade_flat(
+fn dot<T: Lanewise>([x, y, z]: Displacement<T>, by: DVec3) -> T {
+    x * by.x + y * by.y + z * by.z
+}
+
+#[inline(always)]
+fn length_squared<T: Lanewise>([x, y, z]: Displacement<T>) -> T {
+    x * x + y * y + z * z
+}
+
+/// What stops rays from one point.
+trait Stops {
+    /// Which rays, of these displacements.
+    fn stops<T: Lanewise>(&self, ray: Displacement<T>) -> T::Which;
+}
+
+#[inline(always)]
+fn shade_by<R: Registers>(registers: R, what: impl Stops, rays: &ShadowRays, len: usize, contributions: &mut Row) {
+    for g in 0..groups(len) {
+        let ray = [
+            Eight::load(registers, &rays.x[g]),
+            Eight::load(registers, &rays.y[g]),
+            Eight::load(registers, &rays.z[g]),
+        ];
+        let lit = Eight::load(registers, &contributions[g]);
+        Eight::choose(what.stops(ray), lit.like(0.0), lit).store(&mut contributions[g]);
+    }
+}
+
+/// A flat piece. The ray meets its plane at parameter h₀ / s, with h₀ the height of the shading point and s the drop along
+/// the ray; `inside` is asked about s times the meeting point (from the piece's origin) and s, so that no division is needed
+/// where a comparison will do.
+struct Flat<I> {
+    /// The shading point, from the piece's origin.
     offset: DVec3,
     normal: DVec3,
-    rays: &ShadowRays,
-    len: usize,
-    contributions: &mut Row,
-    inside: impl Fn(DVec3, f64) -> bool,
-) {
-    let height = offset.dot(normal);
-    for g in 0..groups(len) {
-        for l in 0..LANES {
-            let d = rays.ray(g, l);
-            let drop = -d.dot(normal);
-            let crosses = height * (height - drop) < 0.0;
-            let blocked = crosses & inside(offset * drop + d * height, drop);
-            contributions[g][l] = if blocked { 0.0 } else { contributions[g][l] };
+    inside: I,
+}
+
+/// Which points of a plane belong to a piece.
+trait Inside {
+    /// - `q`: s times the point
+    fn holds<T: Lanewise>(&self, q: Displacement<T>, s: T) -> T::Which;
+}
+
+impl<I: Inside> Stops for Flat<I> {
+    #[inline(always)]
+    fn stops<T: Lanewise>(&self, ray: Displacement<T>) -> T::Which {
+        let Flat { offset, normal, inside } = self;
+        let height = offset.dot(*normal);
+        let drop = -dot(ray, *normal);
+        let crosses = ((drop.like(height) - drop) * height).is_below(drop.like(0.0));
+        let [x, y, z] = ray;
+        let q = [drop * offset.x + x * height, drop * offset.y + y * height, drop * offset.z + z * height];
+        crosses & inside.holds(q, drop)
+    }
+}
+
+struct InDisk {
+    radius_squared: f64,
+}
+
+impl Inside for InDisk {
+    #[inline(always)]
+    fn holds<T: Lanewise>(&self, q: Displacement<T>, s: T) -> T::Which {
+        length_squared(q).is_below(s * self.radius_squared * s)
+    }
+}
+
+struct InParallelogram {
+    dual_u: DVec3,
+    dual_v: DVec3,
+}
+
+impl Inside for InParallelogram {
+    #[inline(always)]
+    fn holds<T: Lanewise>(&self, q: Displacement<T>, s: T) -> T::Which {
+        let half = s.abs() * 0.5;
+        dot(q, self.dual_u).abs().is_below(half) & dot(q, self.dual_v).abs().is_below(half)
+    }
+}
+
+struct InOutline<'a> {
+    frame: &'a Frame,
+    edges: &'a [Edge],
+}
+
+impl Inside for InOutline<'_> {
+    #[inline(always)]
+    fn holds<T: Lanewise>(&self, q: Displacement<T>, s: T) -> T::Which {
+        let (x, y) = (dot(q, self.frame.tangent) / s, dot(q, self.frame.bitangent) / s);
+        let mut inside = s.is_below(s);
+        for edge in self.edges {
+            // low ≤ y < high, and the crossing lies to the right.
+            let spans = y.is_below(y.like(edge.low)) ^ y.is_below(y.like(edge.high));
+            inside = inside ^ (spans & x.is_below(y * edge.slope + edge.at_zero));
         }
+        inside
+    }
+}
+
+struct Ball {
+    /// The shading point, from the middle.
+    offset: DVec3,
+    radius_squared: f64,
+}
+
+impl Stops for Ball {
+    #[inline(always)]
+    fn stops<T: Lanewise>(&self, ray: Displacement<T>) -> T::Which {
+        let Ball { offset, radius_squared } = self;
+        let [x, y, z] = ray;
+        let nearest = (-dot(ray, *offset) / length_squared(ray)).positive().at_most(x.like(1.0));
+        let miss = [x * nearest + offset.x, y * nearest + offset.y, z * nearest + offset.z];
+        length_squared(miss).is_below(x.like(*radius_squared))
     }
 }
 

@@ -3,8 +3,10 @@
 
 use glam::DVec3;
 
+use super::ShadowRays;
 use super::segment::Segment;
 use crate::geometry::Mesh;
+use crate::sampling::{LANES, Row, groups};
 
 /// Parts of so many triangles are not halved.
 const SMALL: usize = 4;
@@ -41,6 +43,19 @@ impl Hierarchy {
     pub fn blocks(&self, from: DVec3, to: DVec3) -> bool {
         let Some(segment) = Segment::new(from, to) else { return false };
         self.whole.blocks(&self.triangles, &segment, from, to)
+    }
+
+    /// Sets to zero the contributions of the rays that this blocks, among the first `len` of a block.
+    ///
+    /// - `from`: the shading point, metres
+    pub fn shade(&self, from: DVec3, rays: &ShadowRays, len: usize, contributions: &mut Row) {
+        for g in 0..groups(len) {
+            for l in 0..LANES {
+                if contributions[g][l] != 0.0 && self.blocks(from, from + rays.ray(g, l)) {
+                    contributions[g][l] = 0.0;
+                }
+            }
+        }
     }
 }
 

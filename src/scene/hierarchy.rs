@@ -7,22 +7,25 @@
 use glam::{DVec3, Vec3A};
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
-use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
-use obvhs::ray::Ray;
+use pulp::NullaryFnOnce;
 
+use super::ShadowRays;
 use super::segment::Segment;
+use super::wide::{Portable, Registers, Slabs, Stack, Wide};
 use crate::geometry::Mesh;
+use crate::sampling::{LANES, Row, groups};
 
 /// Outward padding of boxes in a scene scaled to [−1, 1]. A ray's origin and direction are rounded to f32 (2⁻²⁴ each,
 /// coordinates up to 2), the slab test adds four more roundings: below 1e-6 together.
 const PADDING: f32 = 2e-6;
 
+/// A part of a direction below this, in a scene scaled to [−1, 1], is taken for it: less than the padding at the ray's end.
+const SMALLEST: f32 = f32::EPSILON;
+
 /// Triangles of one mesh, and the boxes around them.
 pub struct Hierarchy {
-    bvh: Bvh2,
-    /// In the order of the hierarchy's leaves.
-    triangles: Vec<[DVec3; 3]>,
+    wide: Wide,
     middle: DVec3,
     /// Metres to units of the hierarchy.
     scale: f64,
@@ -50,26 +53,107 @@ impl Hierarchy {
             .collect();
         let mut spent = std::time::Duration::ZERO;
         let bvh = build_bvh2(&boxes, BvhBuildParams::medium_build(), &mut spent);
-        let triangles = bvh.primitive_indices.iter().map(|index| corners[*index as usize]).collect();
-        Hierarchy { bvh, triangles, middle, scale }
+        Hierarchy { wide: Wide::new(&bvh, mesh, middle, scale), middle, scale }
     }
 
     /// Whether a triangle lies strictly between two points.
     pub fn blocks(&self, from: DVec3, to: DVec3) -> bool {
-        let Some(segment) = Segment::new(from, to) else { return false };
-        let ray = Ray::new(
-            ((from - self.middle) * self.scale).as_vec3a(),
-            ((to - from) * self.scale).as_vec3a(),
-            0.0,
-            1.0 + PADDING,
-        );
-        let meeting = |candidate: usize| if segment.meets(&self.triangles[candidate]) { 0.5 } else { f32::INFINITY };
-        !self.bvh.ray_traverse_miss(ray, |_, candidate| meeting(candidate))
+        on_this_machine(One { hierarchy: self, from, to })
+    }
+
+    /// Sets to zero the contributions of the rays that this blocks, among the first `len` of a block. A ray that carries
+    /// nothing (padding, too) is not traced.
+    ///
+    /// - `from`: the shading point, metres
+    pub fn shade(&self, from: DVec3, rays: &ShadowRays, len: usize, contributions: &mut Row) {
+        on_this_machine(Block { hierarchy: self, from, rays, len, contributions });
+    }
+
+    /// A segment in units of the hierarchy.
+    #[inline(always)]
+    fn slabs(&self, from: DVec3, to: DVec3) -> Slabs {
+        let origin = ((from - self.middle) * self.scale).as_vec3();
+        let direction = ((to - from) * self.scale).as_vec3();
+        Slabs::new(origin.to_array(), direction.to_array(), SMALLEST, 1.0 + PADDING)
     }
 
     /// The same answer from testing every triangle: the witness, and the yardstick of the timings.
     pub fn blocks_by_brute_force(&self, from: DVec3, to: DVec3) -> bool {
-        Segment::new(from, to).is_some_and(|segment| self.triangles.iter().any(|triangle| segment.meets(triangle)))
+        Segment::new(from, to).is_some_and(|segment| self.wide.triangles().any(|triangle| segment.meets(&triangle)))
+    }
+}
+
+/// Rays to be traced with the widest registers that this machine has.
+trait Traced {
+    type Answer;
+    fn trace<R: Registers>(self, registers: R) -> Self::Answer;
+}
+
+#[cfg(target_arch = "x86_64")]
+fn on_this_machine<T: Traced>(rays: T) -> T::Answer {
+    struct Wider<T>(pulp::x86::V3, T);
+    impl<T: Traced> NullaryFnOnce for Wider<T> {
+        type Output = T::Answer;
+        #[inline(always)]
+        fn call(self) -> T::Answer {
+            self.1.trace(self.0)
+        }
+    }
+    match pulp::x86::V3::try_new() {
+        Some(registers) => registers.vectorize(Wider(registers, rays)),
+        None => rays.trace(Portable),
+    }
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+fn on_this_machine<T: Traced>(rays: T) -> T::Answer {
+    rays.trace(Portable)
+}
+
+/// One ray.
+struct One<'a> {
+    hierarchy: &'a Hierarchy,
+    from: DVec3,
+    to: DVec3,
+}
+
+impl Traced for One<'_> {
+    type Answer = bool;
+
+    #[inline(always)]
+    fn trace<R: Registers>(self, registers: R) -> bool {
+        let One { hierarchy, from, to } = self;
+        hierarchy.wide.find(registers, &hierarchy.slabs(from, to), from, to, &mut Stack::new()).is_some()
+    }
+}
+
+/// The rays of a block.
+struct Block<'a> {
+    hierarchy: &'a Hierarchy,
+    from: DVec3,
+    rays: &'a ShadowRays,
+    len: usize,
+    contributions: &'a mut Row,
+}
+
+impl Traced for Block<'_> {
+    type Answer = ();
+
+    #[inline(always)]
+    fn trace<R: Registers>(self, registers: R) {
+        let Block { hierarchy, from, rays, len, contributions } = self;
+        let mut stack = Stack::new();
+        for g in 0..groups(len) {
+            for l in 0..LANES {
+                if contributions[g][l] == 0.0 {
+                    continue;
+                }
+                let to = from + rays.ray(g, l);
+                if hierarchy.wide.find(registers, &hierarchy.slabs(from, to), from, to, &mut stack).is_some() {
+                    contributions[g][l] = 0.0;
+                }
+            }
+        }
     }
 }
 

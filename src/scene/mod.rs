@@ -12,6 +12,8 @@ mod halves;
 mod hierarchy;
 mod segment;
 mod surroundings;
+#[cfg(feature = "fast")]
+mod wide;
 
 pub use blocker::{Blocker, ShadowRays};
 #[cfg(feature = "studies")]

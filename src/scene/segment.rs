@@ -9,12 +9,12 @@ use glam::DVec3;
 /// no ray slips through a shared edge or vertex. Source: Woop, Benthin & Wald, *Watertight Ray/Triangle Intersection*,
 /// JCGT 2(1), 2013, here in f64.
 pub(super) struct Segment {
-    from: DVec3,
+    pub(super) from: DVec3,
     /// Axes, the longest of the direction last.
-    axes: [usize; 3],
-    shear: [f64; 2],
+    pub(super) axes: [usize; 3],
+    pub(super) shear: [f64; 2],
     /// One over the extent along the last axis.
-    inverse: f64,
+    pub(super) inverse: f64,
 }
 
 impl Segment {
