@@ -38,8 +38,8 @@ impl ShadowRays {
 pub enum Blocker {
     Disk {
         center: DVec3,
-        normal: DVec3,
-        radius_squared: f64,
+        frame: Frame,
+        radius: f64,
     },
     /// A parallelogram: inside where both dual coordinates are below ½ in size.
     Parallelogram {
@@ -84,7 +84,7 @@ impl Blocker {
     pub fn new(shape: &Shape, reach: (DVec3, DVec3)) -> Blocker {
         match shape {
             Shape::Disk(s) => {
-                Blocker::Disk { center: s.center(), normal: s.normal(), radius_squared: s.radius() * s.radius() }
+                Blocker::Disk { center: s.center(), frame: Frame::around(s.normal()), radius: s.radius() }
             }
             Shape::Rectangle(s) => {
                 let across = s.edge_u().cross(s.edge_v());
@@ -120,30 +120,20 @@ impl Blocker {
         contributions: &mut Row,
     ) {
         match self {
-            Blocker::Disk { center, normal, radius_squared } => {
-                let disk = InDisk { radius_squared: *radius_squared };
-                shade_by(
-                    registers,
-                    Flat { offset: from - *center, normal: *normal, inside: disk },
-                    rays,
-                    len,
-                    contributions,
-                );
+            Blocker::Disk { center, frame, radius } => {
+                let Some(plane) = Facing::new(from - *center, frame.normal) else { return };
+                let disk = InDisk { x: plane.seen(frame.tangent), y: plane.seen(frame.bitangent), radius: *radius };
+                shade_by(registers, Through { plane, inside: disk }, rays, len, contributions);
             }
             Blocker::Parallelogram { center, normal, dual_u, dual_v } => {
-                let inside = InParallelogram { dual_u: *dual_u, dual_v: *dual_v };
-                shade_by(
-                    registers,
-                    Flat { offset: from - *center, normal: *normal, inside },
-                    rays,
-                    len,
-                    contributions,
-                );
+                let Some(plane) = Facing::new(from - *center, *normal) else { return };
+                let inside = InParallelogram { u: plane.seen(*dual_u), v: plane.seen(*dual_v) };
+                shade_by(registers, Through { plane, inside }, rays, len, contributions);
             }
             Blocker::Polygon { anchor, frame, edges } => {
-                let inside = InOutline { frame, edges };
-                let flat = Flat { offset: from - *anchor, normal: frame.normal, inside };
-                shade_by(registers, flat, rays, len, contributions);
+                let Some(plane) = Facing::new(from - *anchor, frame.normal) else { return };
+                let inside = InOutline { x: plane.seen(frame.tangent), y: plane.seen(frame.bitangent), edges };
+                shade_by(registers, Through { plane, inside }, rays, len, contributions);
             }
             Blocker::Ball { center, radius_squared } => {
                 let ball = Ball { offset: from - *center, radius_squared: *radius_squared };
@@ -186,68 +176,94 @@ fn shade_by<R: Registers>(registers: R, what: impl Stops, rays: &ShadowRays, len
     }
 }
 
-/// A flat piece. The ray meets its plane at parameter h₀ / s, with h₀ the height of the shading point and s the drop along
-/// the ray; `inside` is asked about s times the meeting point (from the piece's origin) and s, so that no division is needed
-/// where a comparison will do.
-struct Flat<I> {
+/// The plane of a flat piece as a shading point sees it. A ray d falls by s = d · `down` towards it and meets it at parameter
+/// `height` / s. In coordinates along the plane, s times the meeting point is linear in d: no division is needed where a
+/// comparison will do.
+#[derive(Clone, Copy)]
+struct Facing {
     /// The shading point, from the piece's origin.
     offset: DVec3,
-    normal: DVec3,
+    down: DVec3,
+    /// > 0.
+    height: f64,
+}
+
+impl Facing {
+    /// `None` for a point in the plane: it is blocked by nothing there.
+    #[inline(always)]
+    fn new(offset: DVec3, normal: DVec3) -> Option<Facing> {
+        let height = offset.dot(normal);
+        let down = if height > 0.0 { -normal } else { normal };
+        (height != 0.0).then_some(Facing { offset, down, height: height.abs() })
+    }
+
+    /// What d is multiplied with to give s times a coordinate of the meeting point.
+    ///
+    /// - `axis`: gives that coordinate of a point of the plane, from the piece's origin
+    #[inline(always)]
+    fn seen(&self, axis: DVec3) -> DVec3 {
+        self.down * self.offset.dot(axis) + axis * self.height
+    }
+}
+
+/// Rays through a part of a plane.
+struct Through<I> {
+    plane: Facing,
     inside: I,
 }
 
 /// Which points of a plane belong to a piece.
 trait Inside {
-    /// - `q`: s times the point
-    fn holds<T: Lanewise>(&self, q: Displacement<T>, s: T) -> T::Which;
+    /// - `s`: as in [`Facing`], > 0 where the answer matters
+    fn holds<T: Lanewise>(&self, ray: Displacement<T>, s: T) -> T::Which;
 }
 
-impl<I: Inside> Stops for Flat<I> {
+impl<I: Inside> Stops for Through<I> {
     #[inline(always)]
     fn stops<T: Lanewise>(&self, ray: Displacement<T>) -> T::Which {
-        let Flat { offset, normal, inside } = self;
-        let height = offset.dot(*normal);
-        let drop = -dot(ray, *normal);
-        let crosses = ((drop.like(height) - drop) * height).is_below(drop.like(0.0));
-        let [x, y, z] = ray;
-        let q = [drop * offset.x + x * height, drop * offset.y + y * height, drop * offset.z + z * height];
-        crosses & inside.holds(q, drop)
+        let s = dot(ray, self.plane.down);
+        s.like(self.plane.height).is_below(s) & self.inside.holds(ray, s)
     }
 }
 
 struct InDisk {
-    radius_squared: f64,
+    x: DVec3,
+    y: DVec3,
+    radius: f64,
 }
 
 impl Inside for InDisk {
     #[inline(always)]
-    fn holds<T: Lanewise>(&self, q: Displacement<T>, s: T) -> T::Which {
-        length_squared(q).is_below(s * self.radius_squared * s)
+    fn holds<T: Lanewise>(&self, ray: Displacement<T>, s: T) -> T::Which {
+        let (x, y, rim) = (dot(ray, self.x), dot(ray, self.y), s * self.radius);
+        (x * x + y * y).is_below(rim * rim)
     }
 }
 
+/// Both dual coordinates below ½ in size.
 struct InParallelogram {
-    dual_u: DVec3,
-    dual_v: DVec3,
+    u: DVec3,
+    v: DVec3,
 }
 
 impl Inside for InParallelogram {
     #[inline(always)]
-    fn holds<T: Lanewise>(&self, q: Displacement<T>, s: T) -> T::Which {
-        let half = s.abs() * 0.5;
-        dot(q, self.dual_u).abs().is_below(half) & dot(q, self.dual_v).abs().is_below(half)
+    fn holds<T: Lanewise>(&self, ray: Displacement<T>, s: T) -> T::Which {
+        let half = s * 0.5;
+        dot(ray, self.u).abs().is_below(half) & dot(ray, self.v).abs().is_below(half)
     }
 }
 
 struct InOutline<'a> {
-    frame: &'a Frame,
+    x: DVec3,
+    y: DVec3,
     edges: &'a [Edge],
 }
 
 impl Inside for InOutline<'_> {
     #[inline(always)]
-    fn holds<T: Lanewise>(&self, q: Displacement<T>, s: T) -> T::Which {
-        let (x, y) = (dot(q, self.frame.tangent) / s, dot(q, self.frame.bitangent) / s);
+    fn holds<T: Lanewise>(&self, ray: Displacement<T>, s: T) -> T::Which {
+        let (x, y) = (dot(ray, self.x) / s, dot(ray, self.y) / s);
         let mut inside = s.is_below(s);
         for edge in self.edges {
             // low ≤ y < high, and the crossing lies to the right.

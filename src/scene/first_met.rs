@@ -71,9 +71,9 @@ impl Blocker {
     #[inline(always)]
     fn meet(&self, from: DVec3, directions: &DirectionBlock, len: usize, name: u32, met: &mut Met) {
         match self {
-            Blocker::Disk { center, normal, radius_squared } => {
-                meet_flat(from - *center, *normal, directions, len, name, met, |p| {
-                    p.length_squared() < *radius_squared
+            Blocker::Disk { center, frame, radius } => {
+                meet_flat(from - *center, frame.normal, directions, len, name, met, |p| {
+                    p.length_squared() < radius * radius
                 });
             }
             Blocker::Parallelogram { center, normal, dual_u, dual_v } => {

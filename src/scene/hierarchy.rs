@@ -12,7 +12,7 @@ use pulp::NullaryFnOnce;
 
 use super::ShadowRays;
 use super::segment::Segment;
-use super::wide::{Portable, Registers, Slabs, Stack, Wide};
+use super::wide::{Boxes, Portable, Slabs, Wide};
 use crate::geometry::Mesh;
 use crate::sampling::{LANES, Row, groups};
 
@@ -22,6 +22,9 @@ const PADDING: f32 = 2e-6;
 
 /// A part of a direction below this, in a scene scaled to [−1, 1], is taken for it: less than the padding at the ray's end.
 const SMALLEST: f32 = f32::EPSILON;
+
+/// Rays of a block that visit the hierarchy together.
+const TOGETHER: usize = 32;
 
 /// Triangles of one mesh, and the boxes around them.
 pub struct Hierarchy {
@@ -86,7 +89,7 @@ impl Hierarchy {
 /// Rays to be traced with the widest registers that this machine has.
 trait Traced {
     type Answer;
-    fn trace<R: Registers>(self, registers: R) -> Self::Answer;
+    fn trace<R: Boxes>(self, registers: R) -> Self::Answer;
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -121,9 +124,11 @@ impl Traced for One<'_> {
     type Answer = bool;
 
     #[inline(always)]
-    fn trace<R: Registers>(self, registers: R) -> bool {
+    fn trace<R: Boxes>(self, registers: R) -> bool {
         let One { hierarchy, from, to } = self;
-        hierarchy.wide.find(registers, &hierarchy.slabs(from, to), from, to, &mut Stack::new()).is_some()
+        let mut ends = [Some(to)];
+        hierarchy.wide.block(registers, from, &mut ends, &[hierarchy.slabs(from, to)]);
+        ends[0].is_none()
     }
 }
 
@@ -140,17 +145,24 @@ impl Traced for Block<'_> {
     type Answer = ();
 
     #[inline(always)]
-    fn trace<R: Registers>(self, registers: R) {
+    fn trace<R: Boxes>(self, registers: R) {
         let Block { hierarchy, from, rays, len, contributions } = self;
-        let mut stack = Stack::new();
-        for g in 0..groups(len) {
-            for l in 0..LANES {
-                if contributions[g][l] == 0.0 {
-                    continue;
+        let some = TOGETHER / LANES;
+        for start in (0..groups(len)).step_by(some) {
+            let (mut to, mut slabs) = ([None; TOGETHER], [Slabs::default(); TOGETHER]);
+            for g in start..(start + some).min(groups(len)) {
+                for l in 0..LANES {
+                    if contributions[g][l] != 0.0 {
+                        let (end, ray) = (from + rays.ray(g, l), (g - start) * LANES + l);
+                        to[ray] = Some(end);
+                        slabs[ray] = hierarchy.slabs(from, end);
+                    }
                 }
-                let to = from + rays.ray(g, l);
-                if hierarchy.wide.find(registers, &hierarchy.slabs(from, to), from, to, &mut stack).is_some() {
-                    contributions[g][l] = 0.0;
+            }
+            hierarchy.wide.block(registers, from, &mut to, &slabs);
+            for (ray, to) in to.iter().enumerate() {
+                if to.is_none() {
+                    contributions[start + ray / LANES][ray % LANES] = 0.0;
                 }
             }
         }

@@ -11,6 +11,8 @@ use crate::geometry::Mesh;
 
 /// Children of a node, triangles of a pack.
 pub(super) const WIDTH: usize = 8;
+/// Nodes that a ray may leave for later: seven on each of eight levels, and the children of one more.
+const ROOM: usize = 64;
 /// Marks a child that is packs of triangles: how many stands in the bits below, then the first of them.
 const LEAF: u32 = 1 << 31;
 const COUNT_SHIFT: u32 = 25;
@@ -44,7 +46,7 @@ pub(super) struct Pack {
 }
 
 /// A ray in f32, as boxes and packs are asked about it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Slabs {
     origin: [f32; 3],
     inverse: [f32; 3],
@@ -91,7 +93,7 @@ pub(super) struct Known {
 }
 
 /// What is asked of a node and of a pack, on one instruction set.
-pub(super) trait Registers: Copy {
+pub(super) trait Boxes: Copy {
     /// One bit for each box that the ray may meet.
     fn boxes(self, node: &Node, slabs: &Slabs) -> u32;
     /// The children with a bit, moved to the front.
@@ -104,7 +106,7 @@ pub(super) trait Registers: Copy {
 #[derive(Clone, Copy)]
 pub(super) struct Portable;
 
-impl Registers for Portable {
+impl Boxes for Portable {
     #[inline(always)]
     fn boxes(self, node: &Node, slabs: &Slabs) -> u32 {
         let (mut enters, mut leaves) = ([0.0_f32; WIDTH], [slabs.end; WIDTH]);
@@ -153,7 +155,7 @@ const fn orders() -> [[u8; WIDTH]; 256] {
 
 /// Written without closures and `map`: what is not marked to be inlined is compiled for the oldest machine.
 #[cfg(target_arch = "x86_64")]
-impl Registers for pulp::x86::V3 {
+impl Boxes for pulp::x86::V3 {
     #[inline(always)]
     fn boxes(self, node: &Node, slabs: &Slabs) -> u32 {
         use pulp::{Simd, cast, f32x8};
@@ -246,50 +248,6 @@ pub(super) struct Wide {
     vertices: Vec<DVec3>,
 }
 
-/// Nodes still to be visited; kept from ray to ray.
-pub(super) struct Stack {
-    nodes: [u32; Stack::ROOM + WIDTH],
-    top: usize,
-    /// What does not fit: trees of more than thirty levels only.
-    below: Vec<u32>,
-}
-
-impl Stack {
-    const ROOM: usize = 240;
-
-    pub(super) fn new() -> Stack {
-        Stack { nodes: [0; Stack::ROOM + WIDTH], top: 0, below: Vec::new() }
-    }
-
-    /// Adds the first `count` of eight.
-    #[inline(always)]
-    fn push(&mut self, eight: [u32; WIDTH], count: u32) {
-        if self.top > Stack::ROOM {
-            self.below.extend_from_slice(&self.nodes[..self.top]);
-            self.top = 0;
-        }
-        if let Some(free) = self.nodes[self.top..].first_chunk_mut() {
-            *free = eight;
-        }
-        self.top += count as usize;
-    }
-
-    #[inline(always)]
-    fn pop(&mut self) -> Option<u32> {
-        if self.top == 0 {
-            return self.below.pop();
-        }
-        self.top -= 1;
-        Some(self.nodes[self.top])
-    }
-
-    #[inline(always)]
-    fn clear(&mut self) {
-        self.top = 0;
-        self.below.clear();
-    }
-}
-
 impl Wide {
     /// - `bvh`: over the triangles of `faces`, its boxes padded
     /// - `middle`, `scale`: from metres to units of the hierarchy
@@ -353,50 +311,102 @@ impl Wide {
         [self.vertices[face[0] as usize], self.vertices[face[1] as usize], self.vertices[face[2] as usize]]
     }
 
-    /// Which pack blocks a segment, if any does.
+    /// Which of the rays are blocked, all of them from one point: sets their `to` to `None`.
     ///
-    /// - `slabs`: the same segment
+    /// In each round every ray visits one node; the packs that were found are looked at when the round is over. What a visit
+    /// finds is queued without a branch on it, so that the machine neither waits for one ray nor guesses its way.
+    ///
+    /// - `slabs`: of each ray that has an end
     #[inline(always)]
-    pub(super) fn find<R: Registers>(
+    pub(super) fn block<R: Boxes, const N: usize>(
         &self,
         registers: R,
-        slabs: &Slabs,
         from: DVec3,
-        to: DVec3,
-        stack: &mut Stack,
-    ) -> Option<u32> {
-        stack.clear();
-        let mut node = 0;
-        loop {
-            let place = &self.nodes[node as usize];
-            let met = registers.boxes(place, slabs);
-            let nodes = met & place.nodes;
-            stack.push(registers.gathered(&place.children, nodes), nodes.count_ones());
-            let mut packs = met & !place.nodes;
-            while packs != 0 {
-                let child = place.children[packs.trailing_zeros() as usize % WIDTH];
-                packs &= packs - 1;
-                let (first, count) = (child & ((1 << COUNT_SHIFT) - 1), (child & !LEAF) >> COUNT_SHIFT);
-                for pack in first..first + count {
-                    if self.pack_blocks(registers, pack, slabs, from, to) {
-                        return Some(pack);
+        to: &mut [Option<DVec3>; N],
+        slabs: &[Slabs; N],
+    ) {
+        // Each ray's nodes still to be visited, the root first.
+        let (mut nodes, mut left) = ([[0_u32; ROOM]; N], [1_usize; N]);
+        let (mut packs, mut packs_of, mut found) = ([[0_u32; WIDTH]; N], [0_u32; N], [0_u32; N]);
+        let (mut active, mut n_active) = ([0_u32; N], 0);
+        for ray in 0..N {
+            active[n_active] = ray as u32;
+            n_active += usize::from(to[ray].is_some());
+        }
+        while n_active > 0 {
+            let mut n_found = 0;
+            for ray in active.into_iter().take(n_active) {
+                let at = ray as usize % N;
+                left[at] -= 1;
+                let place = nodes[at][left[at] % ROOM];
+                let node = &self.nodes[place as usize];
+                let met = registers.boxes(node, &slabs[at]);
+                let (inner, outer) = (met & node.nodes, met & !node.nodes);
+                match nodes[at][left[at] % ROOM..].first_chunk_mut() {
+                    Some(free) => {
+                        *free = registers.gathered(&node.children, inner);
+                        left[at] += inner.count_ones() as usize;
+                    }
+                    // More levels than there is room for: by itself, to the end.
+                    None => {
+                        if to[at].is_some_and(|end| self.blocks_below(place, &slabs[at], from, end)) {
+                            to[at] = None;
+                        }
+                    }
+                }
+                packs[n_found] = registers.gathered(&node.children, outer);
+                packs_of[n_found] = ray;
+                found[n_found] = outer.count_ones();
+                n_found += usize::from(outer != 0);
+            }
+            for k in 0..n_found {
+                let at = packs_of[k] as usize % N;
+                let Some(end) = to[at] else { continue };
+                for child in packs[k].into_iter().take(found[k] as usize) {
+                    let (first, count) = (child & ((1 << COUNT_SHIFT) - 1), (child & !LEAF) >> COUNT_SHIFT);
+                    for pack in first..first + count {
+                        if self.pack_blocks(registers, pack, &slabs[at], from, end) {
+                            to[at] = None;
+                            break;
+                        }
                     }
                 }
             }
-            node = stack.pop()?;
+            let mut n_next = 0;
+            for k in 0..n_active {
+                let ray = active[k];
+                let at = ray as usize % N;
+                active[n_next] = ray;
+                n_next += usize::from((left[at] > 0) & to[at].is_some());
+            }
+            n_active = n_next;
         }
+    }
+
+    /// Whether anything below a node blocks a segment, however deep that is.
+    #[cold]
+    fn blocks_below(&self, node: u32, slabs: &Slabs, from: DVec3, to: DVec3) -> bool {
+        let mut open = vec![node];
+        while let Some(place) = open.pop() {
+            let node = &self.nodes[place as usize];
+            let met = Portable.boxes(node, slabs);
+            for (k, child) in node.children.into_iter().enumerate().filter(|(k, _)| met >> k & 1 == 1) {
+                if node.nodes >> k & 1 == 1 {
+                    open.push(child);
+                    continue;
+                }
+                let (first, count) = (child & ((1 << COUNT_SHIFT) - 1), (child & !LEAF) >> COUNT_SHIFT);
+                if (first..first + count).any(|pack| self.pack_blocks(Portable, pack, slabs, from, to)) {
+                    return true;
+                }
+            }
+        }
+        false
     }
 
     /// Whether a triangle of a pack blocks a segment.
     #[inline(always)]
-    pub(super) fn pack_blocks<R: Registers>(
-        &self,
-        registers: R,
-        pack: u32,
-        slabs: &Slabs,
-        from: DVec3,
-        to: DVec3,
-    ) -> bool {
+    fn pack_blocks<R: Boxes>(&self, registers: R, pack: u32, slabs: &Slabs, from: DVec3, to: DVec3) -> bool {
         let known = registers.triangles(&self.packs[pack as usize], slabs);
         known.open != 0 && (known.sure != 0 || self.settled(pack, known.open, from, to))
     }
