@@ -15,7 +15,7 @@ use std::ops::Range;
 use super::emitter::{Emitter, Scratch, add_lanes, emitters};
 use super::{Estimator, Job};
 use crate::configuration::Configuration;
-use crate::number::{Machine, Registers, Work};
+use crate::number::Machine;
 use crate::sampling::{BLOCK, LANES, Lanes, Pattern, Squares, StreamKey, SurfaceBlock, fill_side_by_side};
 use crate::scene::Surroundings;
 
@@ -39,30 +39,10 @@ impl Estimator for AreaEstimator {
     }
 
     fn estimate(&self, job: &Job, scratch: &mut Scratch, estimates: &mut [f64]) {
-        // One source text, compiled for each instruction set and chosen at run time. Rust never fuses a multiplication
-        // and an addition by itself, so the set changes the speed and no bit.
-        self.machine.run(Estimate { emitters: &self.emitters, job, scratch, estimates });
-    }
-}
-
-/// A job as a function that can be compiled for any instruction set.
-struct Estimate<'a, 'b> {
-    emitters: &'a [Emitter],
-    job: &'a Job<'b>,
-    scratch: &'a mut Scratch,
-    estimates: &'a mut [f64],
-}
-
-impl Work for Estimate<'_, '_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<R: Registers>(self, registers: R) {
-        let Estimate { emitters, job, scratch, estimates } = self;
         estimates.fill(0.0);
         let Some(stride) = NonZero::new((job.replicates.end - job.replicates.start) as usize) else { return };
-        for (index, emitter) in emitters.iter().enumerate() {
-            let place = Place { registers, emitter, source: index as u64, stride: stride.get() };
+        for (index, emitter) in self.emitters.iter().enumerate() {
+            let place = Place { machine: self.machine, emitter, source: index as u64, stride: stride.get() };
             // Small estimates fill a block only together.
             match job.samples {
                 1 => place.several_at_once::<1>(job, scratch, estimates),
@@ -76,28 +56,27 @@ impl Work for Estimate<'_, '_> {
 }
 
 /// One source's part of a job.
-struct Place<'a, R> {
-    registers: R,
+struct Place<'a> {
+    /// Blocks of samples are worked on in its registers, by one text compiled for each instruction set: that changes the
+    /// speed and no bit.
+    machine: Machine,
     emitter: &'a Emitter,
     source: u64,
     /// Replicates of the job.
     stride: usize,
 }
 
-impl<R: Registers> Place<'_, R> {
+impl Place<'_> {
     /// The stream of one estimate; `point` counted from 1, 0 where points are shared.
-    #[inline(always)]
     fn key(&self, job: &Job, replicate: u64, point: u64) -> StreamKey {
         job.cell.with(replicate).with(point).with(self.source)
     }
 
-    #[inline(always)]
     fn pattern(&self, job: &Job, replicate: u64, point: u64) -> Pattern {
         let lanes = Lanes::new(self.key(job, replicate, point), job.samples.min(LANES as u64) as usize);
         Pattern::new(job.strategy, job.samples, lanes)
     }
 
-    #[inline(always)]
     fn one_by_one(&self, job: &Job, scratch: &mut Scratch, estimates: &mut [f64]) {
         if job.strategy.shares_points() {
             self.shared(job, scratch, estimates);
@@ -107,7 +86,6 @@ impl<R: Registers> Place<'_, R> {
     }
 
     /// Points of its own for each shading point.
-    #[inline(always)]
     fn fresh(&self, job: &Job, scratch: &mut Scratch, estimates: &mut [f64]) {
         let Scratch { squares, places, shading, .. } = scratch;
         for (p, point) in job.points.iter().enumerate() {
@@ -117,11 +95,11 @@ impl<R: Registers> Place<'_, R> {
                 let mut left = job.samples;
                 while left > 0 {
                     let len = left.min(BLOCK as u64) as usize;
-                    pattern.fill(squares, len);
-                    self.emitter.place(self.registers, squares, len, places);
-                    self.emitter.illuminate(self.registers, point, places, len, shading);
+                    pattern.fill_on(self.machine, squares, len);
+                    self.emitter.place(self.machine, squares, len, places);
+                    self.emitter.illuminate(self.machine, point, places, len, shading);
                     self.emitter.weigh(places, len, shading);
-                    shading.add_to(self.registers, &mut sum, len);
+                    shading.add_to(self.machine, &mut sum, len);
                     left -= len as u64;
                 }
                 estimates[p * self.stride + r] += self.emitter.strength * add_lanes(&sum) / job.samples as f64;
@@ -130,7 +108,6 @@ impl<R: Registers> Place<'_, R> {
     }
 
     /// One set of points for all shading points of a replicate.
-    #[inline(always)]
     fn shared(&self, job: &Job, scratch: &mut Scratch, estimates: &mut [f64]) {
         let Scratch { squares, places, shading, sums, .. } = scratch;
         for (r, replicate) in job.replicates.clone().enumerate() {
@@ -140,12 +117,12 @@ impl<R: Registers> Place<'_, R> {
             let mut left = job.samples;
             while left > 0 {
                 let len = left.min(BLOCK as u64) as usize;
-                pattern.fill(squares, len);
-                self.emitter.place(self.registers, squares, len, places);
+                pattern.fill_on(self.machine, squares, len);
+                self.emitter.place(self.machine, squares, len, places);
                 for (point, sum) in job.points.iter().zip(sums.iter_mut()) {
-                    self.emitter.illuminate(self.registers, point, places, len, shading);
+                    self.emitter.illuminate(self.machine, point, places, len, shading);
                     self.emitter.weigh(places, len, shading);
-                    shading.add_to(self.registers, sum, len);
+                    shading.add_to(self.machine, sum, len);
                 }
                 left -= len as u64;
             }
@@ -156,7 +133,6 @@ impl<R: Registers> Place<'_, R> {
     }
 
     /// Points of a small estimate's replicates, side by side; `point` as in [`Place::key`].
-    #[inline(always)]
     fn scatter<const N: usize>(
         &self,
         job: &Job,
@@ -170,13 +146,12 @@ impl<R: Registers> Place<'_, R> {
         for replicate in replicates {
             keys.push(self.key(job, replicate, point));
         }
-        fill_side_by_side(job.strategy, N, keys, squares);
-        self.emitter.place(self.registers, squares, N * keys.len(), places);
+        fill_side_by_side(self.machine, job.strategy, N, keys, squares);
+        self.emitter.place(self.machine, squares, N * keys.len(), places);
     }
 
     /// As many replicates of a small estimate as a block holds, side by side: the same numbers, bit for bit, as one by
     /// one, without the empty lanes.
-    #[inline(always)]
     fn several_at_once<const N: usize>(&self, job: &Job, scratch: &mut Scratch, estimates: &mut [f64]) {
         let Scratch { squares, places, shading, keys, .. } = scratch;
         for start in (0..self.stride).step_by(BLOCK / N) {
@@ -190,7 +165,7 @@ impl<R: Registers> Place<'_, R> {
                 if !job.strategy.shares_points() {
                     self.scatter::<N>(job, replicates.clone(), p as u64 + 1, keys, squares, places);
                 }
-                self.emitter.illuminate(self.registers, point, places, N * count, shading);
+                self.emitter.illuminate(self.machine, point, places, N * count, shading);
                 self.emitter.weigh(places, N * count, shading);
                 let row = &mut estimates[p * self.stride + start..][..count];
                 let (contributions, _) = shading.contributions.as_flattened().as_chunks::<N>();
@@ -208,7 +183,6 @@ mod tests {
     use super::*;
     use crate::configuration::{Arrangement, MeasurementPoint, Source};
     use crate::geometry::{DVec3, Disk, Rectangle, Shape, Sphere};
-    use crate::number::Arrays;
     use crate::radiometry::Exitance;
     use crate::sampling::{Strategy, Technique};
 
@@ -307,7 +281,8 @@ mod tests {
                 for (r, together) in together.iter().enumerate() {
                     let one = Job { replicates: 5 + r as u64..6 + r as u64, ..all.clone() };
                     let mut alone = [0.0];
-                    let place = Place { registers: Arrays, emitter: &estimator.emitters[0], source: 0, stride: 1 };
+                    let place =
+                        Place { machine: Machine::Any, emitter: &estimator.emitters[0], source: 0, stride: 1 };
                     place.one_by_one(&one, &mut scratch, &mut alone);
                     assert_eq!(alone[0].to_bits(), together.to_bits(), "{strategy} N = {samples} replicate {r}");
                 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::configuration::{Configuration, MeasurementPoint, Source};
-use crate::number::{Eight, Lanewise, Registers};
+use crate::number::{Eight, Lanewise, Machine, Registers, Work};
 use crate::sampling::{BLOCK, LANES, Row, Squares, StreamKey, Surface, SurfaceBlock, groups};
 use crate::scene::{Blocker, ShadowRays, Surroundings};
 use crate::texture::Texture;
@@ -72,13 +72,27 @@ impl Shading {
     }
 
     /// Adds a block's contributions to the lanes of a sum.
+    pub(super) fn add_to(&self, machine: Machine, sum: &mut [f64; LANES], len: usize) {
+        machine.run(Sum { contributions: &self.contributions, sum, len });
+    }
+}
+
+struct Sum<'a> {
+    contributions: &'a Row,
+    sum: &'a mut [f64; LANES],
+    len: usize,
+}
+
+impl Work for Sum<'_> {
+    type Output = ();
+
     #[inline(always)]
-    pub(super) fn add_to<R: Registers>(&self, registers: R, sum: &mut [f64; LANES], len: usize) {
-        let mut lanes = Eight::load(registers, sum);
-        for group in &self.contributions[..groups(len)] {
+    fn run<R: Registers>(self, registers: R) {
+        let mut lanes = Eight::load(registers, self.sum);
+        for group in &self.contributions[..groups(self.len)] {
             lanes = lanes + Eight::load(registers, group);
         }
-        lanes.store(sum);
+        lanes.store(self.sum);
     }
 }
 
@@ -94,9 +108,8 @@ impl Emitter {
     }
 
     /// Puts the first `len` points of a block on the source.
-    #[inline(always)]
-    pub(super) fn place<R: Registers>(&self, registers: R, squares: &Squares, len: usize, places: &mut SurfaceBlock) {
-        self.surface.place_in(registers, squares, len, places);
+    pub(super) fn place(&self, machine: Machine, squares: &Squares, len: usize, places: &mut SurfaceBlock) {
+        self.surface.place_on(machine, squares, len, places);
     }
 
     /// The exitance at a place of a block, W/m²; 1 where that is no matter of the place.
@@ -107,50 +120,17 @@ impl Emitter {
     }
 
     /// Sets the contributions of one block of source points to cosθᵢ cosθₛ / r² · Vis.
-    #[inline(always)]
-    pub(super) fn illuminate<R: Registers>(
+    pub(super) fn illuminate(
         &self,
-        registers: R,
+        machine: Machine,
         point: &MeasurementPoint,
         places: &SurfaceBlock,
         len: usize,
         shading: &mut Shading,
     ) {
-        let offset = self.surface.origin() - point.position();
-        let normal = point.normal();
-        let Shading { rays, contributions } = shading;
-        if let Some(source_normal) = self.surface.flat_normal() {
-            // r cosθₛ is the height of the point over the source's plane, the same for the whole source.
-            let height = (-offset.dot(source_normal)).max(0.0);
-            for g in 0..groups(len) {
-                let (x, y, z) = displaced(registers, offset, places, g);
-                keep(rays, g, (x, y, z));
-                let r2 = x * x + y * y + z * z;
-                let cosine = (x * normal.x + y * normal.y + z * normal.z).positive();
-                (cosine * height / (r2 * r2)).store(&mut contributions[g]);
-            }
-            if height == 0.0 {
-                return;
-            }
-        } else if let Some(radius) = self.surface.sphere_radius() {
-            for g in 0..groups(len) {
-                let (x, y, z) = displaced(registers, offset, places, g);
-                keep(rays, g, (x, y, z));
-                let r2 = x * x + y * y + z * z;
-                let cosine = (x * normal.x + y * normal.y + z * normal.z).positive();
-                // r cosθₛ with the sphere's normal at the point, its offset over the radius.
-                let [px, py, pz] = [&places.x[g], &places.y[g], &places.z[g]];
-                let (px, py, pz) =
-                    (Eight::load(registers, px), Eight::load(registers, py), Eight::load(registers, pz));
-                let height = -(px * x + py * y + pz * z) / radius;
-                (cosine * height.positive() / (r2 * r2)).store(&mut contributions[g]);
-            }
-        }
-        if !len.is_multiple_of(LANES) {
-            contributions[len / LANES][len % LANES..].fill(0.0);
-        }
+        machine.run(Unoccluded { emitter: self, point, places, len, shading });
         for blocker in &self.blockers {
-            blocker.shade_in(registers, point.position(), rays, len, contributions);
+            blocker.shade_on(machine, point.position(), &shading.rays, len, &mut shading.contributions);
         }
     }
 
@@ -166,6 +146,54 @@ impl Emitter {
                     shading.contributions[g][l] *= self.texture_at(places, g, l);
                 }
             }
+        }
+    }
+}
+
+/// See [`Emitter::illuminate`], without what stands in between.
+struct Unoccluded<'a> {
+    emitter: &'a Emitter,
+    point: &'a MeasurementPoint,
+    places: &'a SurfaceBlock,
+    len: usize,
+    shading: &'a mut Shading,
+}
+
+impl Work for Unoccluded<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<R: Registers>(self, registers: R) {
+        let Unoccluded { emitter, point, places, len, shading } = self;
+        let offset = emitter.surface.origin() - point.position();
+        let normal = point.normal();
+        let Shading { rays, contributions } = shading;
+        if let Some(source_normal) = emitter.surface.flat_normal() {
+            // r cosθₛ is the height of the point over the source's plane, the same for the whole source.
+            let height = (-offset.dot(source_normal)).max(0.0);
+            for g in 0..groups(len) {
+                let (x, y, z) = displaced(registers, offset, places, g);
+                keep(rays, g, (x, y, z));
+                let r2 = x * x + y * y + z * z;
+                let cosine = (x * normal.x + y * normal.y + z * normal.z).positive();
+                (cosine * height / (r2 * r2)).store(&mut contributions[g]);
+            }
+        } else if let Some(radius) = emitter.surface.sphere_radius() {
+            for g in 0..groups(len) {
+                let (x, y, z) = displaced(registers, offset, places, g);
+                keep(rays, g, (x, y, z));
+                let r2 = x * x + y * y + z * z;
+                let cosine = (x * normal.x + y * normal.y + z * normal.z).positive();
+                // r cosθₛ with the sphere's normal at the point, its offset over the radius.
+                let [px, py, pz] = [&places.x[g], &places.y[g], &places.z[g]];
+                let (px, py, pz) =
+                    (Eight::load(registers, px), Eight::load(registers, py), Eight::load(registers, pz));
+                let height = -(px * x + py * y + pz * z) / radius;
+                (cosine * height.positive() / (r2 * r2)).store(&mut contributions[g]);
+            }
+        }
+        if !len.is_multiple_of(LANES) {
+            contributions[len / LANES][len % LANES..].fill(0.0);
         }
     }
 }

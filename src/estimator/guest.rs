@@ -9,7 +9,7 @@ use super::emitter::{Emitter, Shading, add_lanes, emitters};
 use super::{Estimator, Job, Scratch};
 use crate::configuration::{Configuration, MeasurementPoint};
 use crate::errors::errors;
-use crate::number::Arrays;
+use crate::number::Machine;
 use crate::sampling::{BLOCK, Draws, LANES, Squares, StreamKey, SurfaceBlock};
 use crate::scene::Surroundings;
 
@@ -229,8 +229,8 @@ impl Estimator for GuestPoints<'_> {
                         for ((u, v), point) in coordinates.zip(block) {
                             (*u, *v) = (point[0], point[1]);
                         }
-                        emitter.place(Arrays, &squares, block.len(), &mut places);
-                        emitter.illuminate(Arrays, &job.points[p], &places, block.len(), &mut shading);
+                        emitter.place(Machine::new(), &squares, block.len(), &mut places);
+                        emitter.illuminate(Machine::new(), &job.points[p], &places, block.len(), &mut shading);
                         emitter.weigh(&places, block.len(), &mut shading);
                         for k in 0..block.len() {
                             sum[k % LANES] += shading.contribution(k / LANES, k % LANES);

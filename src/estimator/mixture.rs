@@ -19,7 +19,7 @@ use super::emitter::{Emitter, Shading, emitters, uniform_exitance};
 use super::width::{Arch, NullaryFnOnce};
 use super::{Estimator, Job, Scratch};
 use crate::configuration::{Configuration, MeasurementPoint};
-use crate::number::Arrays;
+use crate::number::Machine;
 use crate::sampling::{DirectionBlock, Heuristic, LANES, Row, Squares, SurfaceBlock, cosine_weighted, groups};
 use crate::scene::{Met, Surroundings};
 use crate::texture::Texture;
@@ -123,8 +123,8 @@ impl Source {
         work: &mut Work,
         brought: &mut Row,
     ) {
-        self.emitter.place(Arrays, squares, len, &mut work.places);
-        self.emitter.illuminate(Arrays, point, &work.places, len, &mut work.shading);
+        self.emitter.place(Machine::new(), squares, len, &mut work.places);
+        self.emitter.illuminate(Machine::new(), point, &work.places, len, &mut work.shading);
         for g in 0..groups(len) {
             for l in 0..LANES {
                 // Finite, so that the product with a weight of zero is zero.

@@ -20,6 +20,7 @@ use super::emitter::uniform_exitance;
 use super::width::{Arch, NullaryFnOnce};
 use super::{Estimator, Job, Scratch};
 use crate::configuration::{Configuration, MeasurementPoint};
+use crate::number::Machine;
 use crate::sampling::{BLOCK, DirectionBlock, LANES, Row, Silhouette, Squares, View, groups};
 use crate::scene::{Blocker, ShadowRays, Surroundings};
 use crate::texture::Texture;
@@ -141,7 +142,7 @@ impl Aim {
             }
         }
         for blocker in &emitter.blockers {
-            blocker.shade(point.position(), rays, len, brought);
+            blocker.shade_on(Machine::new(), point.position(), rays, len, brought);
         }
         if let Some(texture) = &emitter.texture {
             for (g, brought) in brought.iter_mut().enumerate().take(groups(len)) {

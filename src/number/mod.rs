@@ -13,7 +13,7 @@ use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 pub(crate) use dual::Dual;
-pub(crate) use eight::{Arrays, Eight, Lanewise, Machine, Registers, Work};
+pub(crate) use eight::{Eight, Lanewise, Machine, Registers, Work};
 pub(crate) use gauss::{GAUSS_8, gauss_10};
 pub(crate) use vector::Vector;
 pub(crate) use wide::Wide;

@@ -31,7 +31,9 @@ pub use ears::triangulated;
 pub use hemisphere::cosine_weighted;
 pub use lanes::{LANES, Lanes};
 #[cfg(feature = "studies")]
-pub use pattern::{Pattern, fill_side_by_side};
+pub use pattern::Pattern;
+#[cfg(feature = "studies")]
+pub(crate) use pattern::fill_side_by_side;
 pub use seed::{Purpose, StreamKey};
 #[cfg(feature = "studies")]
 pub use silhouette::{DirectionBlock, Silhouette, View};

@@ -11,7 +11,7 @@ use super::arc::sin_cos_eighth;
 use super::{BLOCK, LANES, Row, Squares, groups};
 use crate::geometry::partition::{Axes, Outline, Partition, quarters};
 use crate::geometry::{Frame, Polygon, Shape};
-use crate::number::{Arrays, Eight, Lanewise, Registers};
+use crate::number::{Eight, Lanewise, Machine, Registers, Work};
 
 /// Halvings of u and of v before a torn polygon's cells are swept by chords: 1024 cells.
 const LEVELS: u32 = 5;
@@ -172,13 +172,29 @@ impl Surface {
 
     /// Puts the first `len` points of a block (rounded up to whole lanes) on the surface.
     pub fn place(&self, squares: &Squares, len: usize, out: &mut SurfaceBlock) {
-        self.place_in(Arrays, squares, len, out);
+        self.place_on(Machine::Any, squares, len, out);
     }
 
-    /// As [`Surface::place`], in these registers.
+    /// As [`Surface::place`], in the registers of a machine.
+    pub(crate) fn place_on(&self, machine: Machine, squares: &Squares, len: usize, out: &mut SurfaceBlock) {
+        machine.run(Place { chart: &self.chart, squares, len, out });
+    }
+}
+
+struct Place<'a> {
+    chart: &'a Chart,
+    squares: &'a Squares,
+    len: usize,
+    out: &'a mut SurfaceBlock,
+}
+
+impl Work for Place<'_> {
+    type Output = ();
+
     #[inline(always)]
-    pub(crate) fn place_in<R: Registers>(&self, registers: R, squares: &Squares, len: usize, out: &mut SurfaceBlock) {
-        match &self.chart {
+    fn run<R: Registers>(self, registers: R) {
+        let Place { chart, squares, len, out } = self;
+        match chart {
             Chart::Parallelogram { edge_u, edge_v, .. } => {
                 place_flat(registers, squares, len, out, [*edge_u, *edge_v], Centred);
             }

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::Hierarchy;
 use crate::geometry::{Frame, Polygon, Shape};
-use crate::number::{Arrays, Eight, Lanewise, Registers};
+use crate::number::{Eight, Lanewise, Machine, Registers, Work};
 use crate::sampling::{BLOCK, LANES, Row, groups};
 
 /// A block of shadow rays from one shading point: displacements to the points on the source, metres.
@@ -106,12 +106,24 @@ impl Blocker {
     ///
     /// - `from`: the shading point, metres
     pub fn shade(&self, from: DVec3, rays: &ShadowRays, len: usize, contributions: &mut Row) {
-        self.shade_in(Arrays, from, rays, len, contributions);
+        self.shade_on(Machine::Any, from, rays, len, contributions);
+    }
+
+    /// As [`Blocker::shade`], in the registers of a machine.
+    pub(crate) fn shade_on(
+        &self,
+        machine: Machine,
+        from: DVec3,
+        rays: &ShadowRays,
+        len: usize,
+        contributions: &mut Row,
+    ) {
+        machine.run(Shade { blocker: self, from, rays, len, contributions });
     }
 
     /// As [`Blocker::shade`], in these registers.
     #[inline(always)]
-    pub(crate) fn shade_in<R: Registers>(
+    fn shade_in<R: Registers>(
         &self,
         registers: R,
         from: DVec3,
@@ -141,6 +153,24 @@ impl Blocker {
             }
             Blocker::Mesh(hierarchy) => hierarchy.shade(from, rays, len, contributions),
         }
+    }
+}
+
+struct Shade<'a> {
+    blocker: &'a Blocker,
+    from: DVec3,
+    rays: &'a ShadowRays,
+    len: usize,
+    contributions: &'a mut Row,
+}
+
+impl Work for Shade<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<R: Registers>(self, registers: R) {
+        let Shade { blocker, from, rays, len, contributions } = self;
+        blocker.shade_in(registers, from, rays, len, contributions);
     }
 }
 

@@ -1,6 +1,7 @@
-//! A bounding-volume hierarchy over a triangle mesh: `obvhs` finds candidates in f32, an f64 test decides.
+//! A bounding-volume hierarchy over a triangle mesh: `obvhs` builds it, the rays of a block go through it side by side
+//! (`wide`), and an f64 test decides wherever f32 could err.
 //!
-//! The only f32 of the crate lives here. Boxes are padded outward by more than all f32 rounding of a ray can add up to,
+//! The only f32 of the crate lives in these two files. Boxes are padded outward by more than all f32 rounding of a ray can add up to,
 //! and the triangle test decides shared edges from the same number on both sides, so that no ray slips between
 //! neighbours. `Bvh2` is used because the compressed hierarchy loses hits nearer than 1e-4.
 
@@ -231,6 +232,47 @@ mod tests {
             let beyond = from + (target - from) * draws.random_range(1.2..2.0);
             assert!(hierarchy.blocks(from, beyond), "leak from {from} through {target}");
             aimed += 1;
+        }
+    }
+
+    #[test]
+    fn arrays_and_trees_of_any_depth_give_the_same_answers() {
+        let hierarchy = hierarchy(20);
+        let mut draws = Stream::new(StreamKey::root(14));
+        let mut point =
+            |z: f64, reach: f64| DVec3::new(draws.random_range(-reach..reach), draws.random_range(-reach..reach), z);
+        let mut hits = 0;
+        for _ in 0..20_000 {
+            let (from, to) = (point(0.0, 2.0), point(2.0, 1.0));
+            let hit = hierarchy.blocks(from, to);
+            assert_eq!(One { hierarchy: &hierarchy, from, to }.trace(Portable), hit, "{from} to {to}");
+            assert_eq!(hierarchy.wide.blocks_below(0, &hierarchy.slabs(from, to), from, to), hit, "{from} to {to}");
+            hits += u32::from(hit);
+        }
+        assert!((2_000..18_000).contains(&hits), "both outcomes are common: {hits}");
+    }
+
+    #[test]
+    fn a_block_of_rays_is_its_rays_one_by_one() {
+        let hierarchy = hierarchy(20);
+        let mut draws = Stream::new(StreamKey::root(15));
+        for len in [1, 7, 8, 33, 100, 128] {
+            let mut rays = ShadowRays::default();
+            let from = DVec3::new(draws.random_range(-1.0..1.0), 0.1, 0.0);
+            for k in 0..len {
+                (rays.x[k / LANES][k % LANES], rays.y[k / LANES][k % LANES], rays.z[k / LANES][k % LANES]) =
+                    (draws.random_range(-1.0..1.0) - from.x, draws.random_range(-1.0..1.0), 2.0);
+            }
+            let carried = |k: usize| if k < len { 1.0 + (k % 3) as f64 - 1.0 } else { 0.0 };
+            let mut contributions = Row::default();
+            for (k, contribution) in contributions.as_flattened_mut().iter_mut().enumerate() {
+                *contribution = carried(k);
+            }
+            hierarchy.shade(from, &rays, len, &mut contributions);
+            for (k, contribution) in contributions.as_flattened().iter().enumerate() {
+                let blocked = k < len && hierarchy.blocks(from, from + rays.ray(k / LANES, k % LANES));
+                assert_eq!(*contribution, if blocked { 0.0 } else { carried(k) }, "ray {k} of {len}");
+            }
         }
     }
 

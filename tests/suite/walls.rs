@@ -52,13 +52,20 @@ const RESERVED: &[(&str, &[&str])] = &[
     // our own and those of other renderers, and who asks whether their numbers are shorter still.
     (
         "f32",
-        &["scene/hierarchy.rs", "report/exr.rs", "report/plot/text.rs", "external/image/", "trial/images/cause.rs"],
+        &[
+            "scene/hierarchy.rs",
+            "scene/wide.rs",
+            "report/exr.rs",
+            "report/plot/text.rs",
+            "external/image/",
+            "trial/images/cause.rs",
+        ],
     ),
     ("exr", &["external/image/", "report/"]),
-    ("obvhs", &["scene/hierarchy.rs"]),
+    ("obvhs", &["scene/hierarchy.rs", "scene/wide.rs"]),
     ("rand", &["sampling/", "trial/"]),
     ("rayon", &["trial/", "calibration/", "eye/", "light/", "path/", "threads/", "report/plot/", "cli/"]),
-    ("pulp", &["estimator/"]),
+    ("pulp", &["number/eight.rs", "scene/hierarchy.rs", "scene/wide.rs", "estimator/"]),
     ("plotters", &["report/plot/"]),
     ("csv", &["report/"]),
     ("toml", &["case/"]),

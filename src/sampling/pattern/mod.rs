@@ -16,6 +16,7 @@ use sobol::Sobol;
 use strata::{Strata, Stratum};
 
 use super::{BLOCK, LANES, Lanes, PointSet, Squares, Strategy, StreamKey, groups};
+use crate::number::{Machine, Registers, Work};
 
 /// The points of one estimate, handed out block by block, so that memory does not grow with their number.
 #[derive(Clone, Debug)]
@@ -75,6 +76,43 @@ impl Pattern {
             Set::Sobol(sobol) => sobol.jitter(squares, len),
         }
     }
+
+    /// As [`Pattern::fill`], compiled for a machine.
+    pub(crate) fn fill_on(&mut self, machine: Machine, squares: &mut Squares, len: usize) {
+        machine.run(Fill { pattern: self, squares, len });
+    }
+}
+
+struct Fill<'a> {
+    pattern: &'a mut Pattern,
+    squares: &'a mut Squares,
+    len: usize,
+}
+
+impl Work for Fill<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<R: Registers>(self, _: R) {
+        self.pattern.fill(self.squares, self.len);
+    }
+}
+
+/// See [`fill_side_by_side`].
+struct SideBySide<'a> {
+    strategy: Strategy,
+    n: usize,
+    keys: &'a [StreamKey],
+    squares: &'a mut Squares,
+}
+
+impl Work for SideBySide<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<R: Registers>(self, _: R) {
+        side_by_side(self.strategy, self.n, self.keys, self.squares);
+    }
 }
 
 /// The points of several small estimates side by side: estimate k has places kN to kN + N − 1 of the block, and the very
@@ -82,8 +120,18 @@ impl Pattern {
 ///
 /// - `n`: points of each estimate: 1, 2, 4 or 8
 /// - `keys`: one for each estimate, as many as fit
+pub(crate) fn fill_side_by_side(
+    machine: Machine,
+    strategy: Strategy,
+    n: usize,
+    keys: &[StreamKey],
+    squares: &mut Squares,
+) {
+    machine.run(SideBySide { strategy, n, keys, squares });
+}
+
 #[inline(always)]
-pub fn fill_side_by_side(strategy: Strategy, n: usize, keys: &[StreamKey], squares: &mut Squares) {
+fn side_by_side(strategy: Strategy, n: usize, keys: &[StreamKey], squares: &mut Squares) {
     match strategy.point_set() {
         PointSet::Independent | PointSet::Stratified => {}
         PointSet::UniformJitter | PointSet::LatinHypercube | PointSet::MultiJittered | PointSet::Sobol => {
@@ -154,7 +202,7 @@ mod tests {
             for n in [1_usize, 2, 4, 8] {
                 let keys: Vec<StreamKey> = (0..(BLOCK / n - 1) as u64).map(|k| StreamKey::root(6).with(k)).collect();
                 let mut together = Squares::default();
-                fill_side_by_side(strategy, n, &keys, &mut together);
+                side_by_side(strategy, n, &keys, &mut together);
                 for (k, key) in keys.iter().enumerate() {
                     let mut alone = Squares::default();
                     Pattern::new(strategy, n as u64, Lanes::new(*key, n)).fill(&mut alone, n);
