@@ -36,6 +36,7 @@ class Job:
             self.manifest = json.load(file)
         self.sources, self.occluders = self.scene["sources"], self.scene["occluders"]
         self.mirrors, self.depth = self.scene.get("mirrors", []), self.manifest["depth"]
+        self.beams, self.glass = self.scene.get("beams", []), self.scene.get("glass", [])
         self.rho = self.manifest["rho"]
         self.width, self.height = self.manifest["pixels"]["width"], self.manifest["pixels"]["height"]
         self.positions = np.array([p["position"] for p in self.scene["points"]])
@@ -71,6 +72,8 @@ class Job:
         """What an adapter does not know by name it would pass over in silence."""
         if self.mirrors and "mirrors" not in knows:
             raise Inexpressible("a mirror: the adapter has none")
+        if self.glass and "glass" not in knows:
+            raise Inexpressible("a beam and a ball of glass: the adapter has none")
         if any("fields" in s for s in self.sources) and "fields" not in knows:
             raise Inexpressible("a light whose radiance varies over it")
 
@@ -125,7 +128,7 @@ def _finish(job, write):
 
 def main(version, units, images=None, points=None, efforts=None, knows=()):
     """Runs the job that the command line names. `images` yields arrays [row, column], `points` yields an array of values
-    for each replicate, `efforts` one for each effort; `knows` names what the adapter can do of `mirrors` and `fields`."""
+    for each replicate, `efforts` one for each effort; `knows` names what the adapter can do of `mirrors`, `fields` and `glass`."""
     sys.stdout.flush()
     answer = os.fdopen(os.dup(1), "w")
     os.dup2(2, 1)

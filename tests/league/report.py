@@ -104,6 +104,8 @@ def verdict_cell(row):
 
 
 def seen(row):
+    if kind(row["verdict"]) == "none":
+        return escape(spoken(row.get("words")))
     if row["mode"] == "efforts":
         within = re.search(r"within ([\d.]+ %) in the mean, ([\d.]+ %)", row.get("words") or "")
         return f"within {within.group(1)} / {within.group(2)}" if within else "by convergence"
@@ -125,6 +127,8 @@ def worst(row):
 
 
 def effort(row):
+    if kind(row["verdict"]) == "none":
+        return ""
     if row["mode"] == "efforts":
         return "up to " + str(max(n for n, *_ in row["errors"])) + " samples" if row.get("errors") else ""
     if row["mode"] == "own":
@@ -155,6 +159,21 @@ def picture(row, found):
     return scrolled(drawing.profile(list(x), list(data.exact), list(data.mean), list(data.error), fitting, title))
 
 
+# The cases that say most, first: shadows, then what is textured or mirrored, then what is open.
+TELLING = ["disk-occluder", "rectangle-occluder", "distant-disk", "mirror", "ball", "textured", "sphere-occluder", "annular-eclipse", "contact-1mm", "disk-050", "rectangle"]
+
+
+def telling(rows, most):
+    """Some rows, of different cases as far as there are."""
+    order = sorted(rows, key=lambda r: TELLING.index(r["case"]) if r["case"] in TELLING else len(TELLING))
+    first, cases = [], set()
+    for r in order:
+        if r["case"] not in cases:
+            first.append(r)
+            cases.add(r["case"])
+    return first[:most]
+
+
 def scrolled(svg):
     return f'<div class="scroll">{svg}</div>'
 
@@ -177,7 +196,8 @@ def plain_table(rows):
 
 
 class Report:
-    def __init__(self, results, explained, out):
+    def __init__(self, results, explained, out, quick):
+        self.quick = quick
         self.rows = [sized(r) for r in results["rows"]]
         self.results, self.explained, self.out = results, explained, out
         self.by = {(r["witness"], r["case"], r["label"]): r for r in self.rows}
@@ -235,15 +255,21 @@ class Report:
         told = [f for f in findings.FINDINGS if f["witness"] == name]
         if told:
             body += "<h2>Findings</h2><ul>" + "".join(f'<li><a href="../findings/{f["slug"]}.html">{words(f["title"])}</a></li>' for f in told) + "</ul>"
-        drawn = [r for r in rows if r.get("data") is not None and (r["case"] in ("control", "disk-occluder", "rectangle-occluder", "distant-disk"))]
-        if drawn:
-            body += "<h2>Pictures</h2>"
-        for r in drawn[:8]:
-            body += f"<h3>{escape(r['case'])}, {escape(r['label'])}: {verdict_cell(r)}</h3>" + picture(r, self.found(r))
-            if r.get("errors"):
-                body += scrolled(drawing.convergence([("worst place", [(n, w) for n, w, _ in r["errors"]]), ("mean", [(n, max(m, 1e-7)) for n, _, m in r["errors"]])],
-                                            f"{r['case']}, {r['label']}: errors against effort"))
+        drawn = [r for r in rows if r.get("data") is not None and not r["control"]]
+        right = [r for r in drawn if kind(r["verdict"]) == "pass"]
+        wrong = [r for r in drawn if kind(r["verdict"]) in ("fail", "floor")]
+        if right:
+            body += "<h2>What passes, drawn</h2>" + "".join(self.drawn(r) for r in telling(right, 3))
+        if wrong:
+            body += "<h2>What deviates, drawn</h2>" + "".join(self.drawn(r) for r in telling(wrong, 3))
         self.write(f"witnesses/{name}.html", page(f"{title}, judged", body, 1))
+
+    def drawn(self, row):
+        body = f"<h3>{escape(row['case'])}, {escape(row['label'])}: {verdict_cell(row)}</h3>" + picture(row, self.found(row))
+        if row.get("errors"):
+            body += scrolled(drawing.convergence([("worst place", [(n, w) for n, w, _ in row["errors"]]), ("mean", [(n, max(m, 1e-7)) for n, _, m in row["errors"]])],
+                                                 f"{row['case']}, {row['label']}: errors against effort"))
+        return body
 
     def tables(self):
         with open(os.path.join(self.out, "verdicts.csv"), "w", newline="") as file:
@@ -263,13 +289,24 @@ class Report:
                 for one in found:
                     write.writerow([key, one["name"], one["fits"], one.get("chi2_n"), one.get("dof"), one["worst_of_peak"], one.get("error_of_peak"), one["fitted"]])
 
+    def other_seeds(self):
+        """What came of running the quick entries again."""
+        first, second = (({(r["witness"], r["case"], r["label"]): r for r in q["rows"]} if q else {}) for q in self.quick)
+        both = [k for k in first if k in second and k[0] != "etendue"]
+        if not both:
+            return ""
+        changed = [" / ".join(k) for k in both if first[k]["verdict"] != second[k]["verdict"]]
+        said = "every verdict was the same" if not changed else f"{len(changed)} verdicts were others: {'; '.join(changed)}"
+        return f"<p class=soft>{len(both)} entries of the quick run were made again with a second set of seeds: {escape(said)}.</p>"
+
     def index(self, told):
         r = self.results
         names = [n for n in findings.WITNESSES if any(x["witness"] == n for x in self.rows)]
         counts = {k: len([x for x in self.rows if kind(x["verdict"]) == k]) for k in ("pass", "fail", "floor", "undecided", "none")}
         body = (f"<p>Does a renderer get a soft shadow right? Six released programs, and our own estimator, were asked for the irradiance of area "
                 f"lights behind occluders and held against its exact value. {len(self.rows)} verdicts: {counts['pass']} passed, "
-                f"{counts['fail'] + counts['floor']} deviate, {counts['undecided']} undecided, {counts['none']} not judged.</p>"
+                f"{counts['fail'] + counts['floor']} deviate, {counts['undecided']} undecided; {counts['none']} could not be asked.</p>"
+                f"{self.other_seeds()}"
                 f"<p class=soft>{r['date']}, {escape(r['etendue'])}, {escape(r['machine'])}. Again: <code>tests/league/run.sh</code></p>")
         rows = []
         for n in names:
@@ -279,8 +316,9 @@ class Report:
             control = next((x for x in mine if x["control"]), None)
             rows.append([f'<a href="witnesses/{n}.html">{escape(findings.WITNESSES[n][0])}</a>',
                          escape(version) + (", quick run only" if any(x.get("quick") for x in mine) else ""), verdict_cell(control) if control else "",
-                         f'<span class=pass>{count("pass")}</span>', f'<span class=fail>{count("fail", "floor")}</span>', count("undecided"), count("none")])
-        body += "<h2>Who was asked</h2>" + table(["program", "version", "control", "pass", "deviates", "undecided", "not judged"], rows, (3, 4, 5, 6))
+                         f'<span class=pass>{count("pass")}</span>', f'<span class=fail>{count("fail", "floor")}</span>', count("undecided"), count("none"),
+                         f"{sum(x.get('processor_seconds') or x.get('seconds') or 0 for x in mine) / 60:.0f} min"])
+        body += "<h2>Who was asked</h2>" + table(["program", "version", "control", "pass", "deviates", "undecided", "cannot be asked", "processor time"], rows, (3, 4, 5, 6, 7))
         body += ('<p class=soft>Each verdict is a gate with a false-alarm probability of one in a million, and says what bias it would have seen (99 %). Deterministic '
                  "programs are judged by convergence: does the error go to nothing with effort, or settle at a floor? A pass says nothing of what was "
                  "not run, and a deviation nothing of settings other than those named.</p>")
@@ -323,6 +361,13 @@ def main():
     given = line.parse_args()
     with open(os.path.join(given.dir, "results.json")) as file:
         results = json.load(file)
+    def read(name):
+        path = os.path.join(given.dir, name)
+        if not os.path.exists(path):
+            return None
+        with open(path) as file:
+            return json.load(file)
+
     # A witness that only the quick run has asked stands there with what that could see.
     quick = os.path.join(given.dir, "results-quick.json")
     if os.path.exists(quick):
@@ -334,7 +379,7 @@ def main():
     explained = predictions.explained(results["rows"], given.etendue, os.path.join(given.dir, "work", "exact"))
     shutil.rmtree(given.out, ignore_errors=True)
     os.makedirs(given.out)
-    report = Report(results, explained, given.out)
+    report = Report(results, explained, given.out, [read(f"results-quick{n}.json") for n in ("", "-2")])
     told = [report.finding(f) for f in findings.FINDINGS]
     for name in findings.WITNESSES:
         report.witness(name)

@@ -441,7 +441,10 @@ fn fields_and_a_flat_mirror_are_told() {
     let mitsuba = recipe::mitsuba(&panel.configuration, "panel", &order).unwrap();
     let named = |name: &str| &mitsuba.files.iter().find(|(file, _)| file == name).unwrap().1;
     let picture = named("source-0.pfm");
-    assert!(picture.starts_with(b"Pf\n4 2\n-1.0\n") && picture.len() == 14 + 4 * 8);
+    let head = b"Pf\n4 2\n-1.0\n";
+    assert!(picture.starts_with(head) && picture.len() == head.len() + 4 * 8);
+    // The row where t ends comes first.
+    assert_eq!(picture[head.len()..][..4], ((0.25 / PI) as f32).to_le_bytes());
     assert!(std::str::from_utf8(named("scene.xml")).unwrap().contains("source-0.pfm"));
 
     let mirror = Case::shipped("caustic/plane-mirror").unwrap();

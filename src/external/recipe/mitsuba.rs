@@ -8,7 +8,7 @@
 //! - the film keeps 32 bits (its default keeps 16) and a box filter of one pixel (its default, a Gaussian, mixes
 //!   neighbours: correlation +0.34);
 //! - a flat mirror is a `conductor` of no material, on both sides, with its reflectance at every angle; then `max_depth` is 3;
-//! - a rectangle of fields is a `bitmap` without a filter between texels;
+//! - a rectangle of fields is a `bitmap` without a filter between texels, whose v begins at the top of the picture;
 //! - seeds are far apart: from neighbouring ones, pixels of the next image take up streams of the last.
 
 use std::fmt::Write;
@@ -38,7 +38,9 @@ pub fn mitsuba(configuration: &Configuration, name: &str, order: &Order) -> Resu
             None => format!("<rgb name=\"radiance\" value=\"{radiance:?}\"/>"),
             Some(raster) => {
                 let grid = raster.grid();
-                let values: Vec<f64> = raster.values().iter().map(|m| m / std::f64::consts::PI).collect();
+                // The file's rows go up, and the renderer's v begins at the top of a picture.
+                let rows = raster.values().chunks(grid.ns()).rev().flatten();
+                let values: Vec<f64> = rows.map(|m| m / std::f64::consts::PI).collect();
                 files.push((format!("{id}.pfm"), pfm([grid.ns(), grid.nt()], &values)));
                 format!(
                     "<texture type=\"bitmap\" name=\"radiance\"><string name=\"filename\" value=\"{id}.pfm\"/>\

@@ -6,7 +6,8 @@ Seeds      `mi.render(seed=...)`; neighbouring seeds share streams in the scalar
 Settings   sampler (independent, multijitter, stratified, ldsampler, orthogonal), variant, rfilter (box), integrator (path;
            ptracer: light is traced, seen by a perspective camera square on, whose pixels lie as evenly on the receiver, for it
            has none that it could connect to an orthographic one)
-Textures   `bitmap`, nearest texel, raw; a mirror is a `conductor` of no material
+Textures   `bitmap`, nearest texel, raw; a mirror is a `conductor` of no material; a beam is a disk with `directionalarea`, whose
+           radiance is the beam's irradiance (as the control shows)
 """
 import os
 import sys
@@ -48,8 +49,8 @@ def radiance(source):
     values = protocol.fields(source)
     if values is None:
         return {"type": "rgb", "value": source["radiance"]}
-    # A picture's first row is the top one, where v is 1.
-    picture = mi.Bitmap(np.ascontiguousarray(values[::-1, :, None], np.float32))
+    # Its first row is where v is 0 (as the textured case shows).
+    picture = mi.Bitmap(np.ascontiguousarray(values[:, :, None], np.float32))
     return {"type": "bitmap", "bitmap": picture, "filter_type": "nearest", "wrap_mode": "clamp", "raw": True}
 
 
@@ -84,6 +85,12 @@ def images(job):
     for i, mirror in enumerate(job.mirrors):
         sides = {"type": "conductor", "material": "none", "specular_reflectance": {"type": "rgb", "value": mirror["reflectance"]}}
         scene[f"mirror{i}"] = {**shape(job, mirror, f"mirror{i}"), "bsdf": {"type": "twosided", "bsdf": sides}}
+    for i, beam in enumerate(job.beams):
+        given = {"kind": "disk", "center": beam["center"], "normal": beam["direction"], "radius": beam["radius"]}
+        light = {"type": "directionalarea", "radiance": {"type": "rgb", "value": beam["irradiance"]}}
+        scene[f"beam{i}"] = {**shape(job, given, f"beam{i}"), "bsdf": black, "emitter": light}
+    for i, ball in enumerate(job.glass):
+        scene[f"glass{i}"] = {**shape(job, ball, f"glass{i}"), "bsdf": {"type": "dielectric", "int_ior": ball["index"], "ext_ior": 1.0}}
     loaded = mi.load_dict(scene)
     count = loaded.sensors()[0].sampler().sample_count()
     if count != job.samples:
@@ -92,4 +99,4 @@ def images(job):
         yield np.array(mi.render(loaded, seed=job.seed(k), spp=job.samples))[..., 0]
 
 
-protocol.main(lambda: f"Mitsuba {mi.__version__}", "E = pi L / rho", images=images, knows=("mirrors", "fields"))
+protocol.main(lambda: f"Mitsuba {mi.__version__}", "E = pi L / rho", images=images, knows=("mirrors", "fields", "glass"))

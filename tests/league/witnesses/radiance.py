@@ -1,7 +1,8 @@
 """Radiance (PyPI: pyradiance, whose wheel carries the programs), irradiance at points by `rtrace -I`.
 
 Units      `light` has radiance L; the value printed is the irradiance: factor 1. Lights count on their front only.
-Seeds      none: a run repeats itself. Replicates are copies of the list of points in one input; other seeds lie further
+Seeds      none that one could give: the stream begins with the clock (runs within a second repeat each other, later ones do not).
+           Replicates are copies of the list of points in one input; those of later runs and of other seed sets lie further
            down the same stream, which is run through and thrown away. `-u+`: values are independent of one another.
 Settings   options (of rtrace), disk (ring: the program's own; strips: rectangles of the same total area; polygon: a
            64-gon of the same area), raise (metres added to the points: -1e-4 undoes what the program adds), average
