@@ -13,7 +13,7 @@ use crate::external::recipe::{self, Inexpressible, Order};
 use crate::external::{Manifest, ManifestError};
 use crate::report;
 use crate::statistics::Verdict;
-use crate::trial::{ImageTerms, LEAST_TOLERANCE_OF_HALVES, judge_images, quoted, as_judged};
+use crate::trial::{ImageTerms, LEAST_TOLERANCE_OF_HALVES, as_judged, judge_images, quoted};
 
 pub(super) const EXPORT_HELP: &str = "\
 The folder gets scene.xml (and OBJ files), manifest.json, which says what the pixels are, and render.py, which renders

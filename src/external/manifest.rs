@@ -121,7 +121,11 @@ impl Manifest {
         }
         let depth = Manifest::depth_of(configuration);
         if self.depth != depth {
-            let why = ["2 (direct light)", "3 (direct light, and light by one mirror)", "4 (light through a ball of glass)"];
+            let why = [
+                "2 (direct light)",
+                "3 (direct light, and light by one mirror)",
+                "4 (light through a ball of glass)",
+            ];
             let why = why[(depth as usize - 2).min(2)];
             return said("depth", &self.depth, &why);
         }

@@ -73,6 +73,8 @@ class League:
         said_path = os.path.join(entry_folder, "said.json")
         if os.path.exists(out) and os.path.exists(said_path):
             return out, json.loads(read(said_path))
+        if self.given.judge:
+            return "not judged", {"words": "nothing was rendered yet"}
         shutil.rmtree(entry_folder, ignore_errors=True)
         os.makedirs(entry_folder)
         job = {"mode": entry["mode"], "scene": os.path.join(folder, "scene.json"), "manifest": os.path.join(folder, "manifest.json"),
@@ -163,6 +165,8 @@ class League:
         have, seconds, processor, step, outs, notes = 0, 0.0, 0.0, entry["count"], [], set()
         while True:
             out, said = self.chunk(entry, folder, have, step)
+            if have and self.given.judge and out == "not judged":
+                return row
             if not isinstance(out, str) or not os.path.exists(out):
                 return {**row, "verdict": out, "words": said["words"]}
             outs.append(out)
@@ -343,6 +347,7 @@ def main():
     words.add_argument("--case")
     words.add_argument("--seed-set", type=int, default=1)
     words.add_argument("--jobs", type=int, default=2)
+    words.add_argument("--judge", action="store_true", help="judge what has been rendered, and render nothing")
     words.add_argument("--expect", action="store_true", help="write the verdicts of this run into expected.csv")
     given = words.parse_args()
     given.dir, given.etendue = os.path.abspath(given.dir), os.path.abspath(given.etendue)

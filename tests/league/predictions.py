@@ -347,6 +347,50 @@ def stratum_pairs(row):
     return row.exact + np.array(out), "", 0
 
 
+def planar_density(row):
+    """Directions are drawn evenly over the light's solid angle, but their density is taken to be t^3/(h A), that of a far, small light
+    (t: from the point to the light's centre, h: its height, A: its area), wherever y^2/(y^2 + h^2) > 0.99999 for the distances y to all
+    four edges, in single precision; light and surface samples are weighed by the power heuristic with that density."""
+    source = only_light(row, "rectangle")
+    if row.row["witness"] != "cycles" or row.row["settings"].get("light", "area") != "area" or not source or row.scene["occluders"]:
+        return None
+    grid, c, out = row.manifest["pixels"], np.array(source["center"]), row.exact.copy()
+    half = np.array([abs(source["edge_u"][0]), abs(source["edge_v"][1])]) / 2  # level and along the axes, as the camera is
+    corner, step = np.array(grid["corner_m"]), np.array([grid["per_column_m"][0], grid["per_row_m"][1]])
+    h = c[2] - corner[2]
+    # How far an edge is at least where the test holds, as single precision has it: the region is a rectangle.
+    distance = h * np.geomspace(100, 1000, 2_000_001)
+    short = distance.astype(np.float32)
+    short = short / np.sqrt(short * short + np.float32(h) * np.float32(h))
+    reach = half - distance[np.argmax(short * short > np.float32(0.99999))]
+    node, weight = np.polynomial.legendre.leggauss(32)
+    cosine, by_cosine = (node + 1) / 2, (node + 1) / 2 / math.pi
+
+    def share(x, y):
+        """Of the irradiance due: both kinds of samples over the hemisphere that the light fills; 1 where the densities are right."""
+        edges = [half[0] - x, half[0] + x, half[1] - y, half[1] + y]
+        over = lambda a, b: np.arctan(a * b / (h * np.sqrt(a * a + b * b + h * h)))
+        angle = sum(over(a, b) for a in edges[:2] for b in edges[2:])[:, None]
+        density = (np.sqrt(x * x + y * y + h * h) ** 3 / (h * 4 * half[0] * half[1]))[:, None]
+        return (2 * cosine * (density / angle + by_cosine**2) / (density**2 + by_cosine**2) * weight / 2).sum(axis=1)
+
+    for pixel in range(len(out)):
+        first = corner[:2] + np.array([pixel % grid["width"], pixel // grid["width"]]) * step - c[:2]
+        low, high = np.minimum(first, first + step), np.maximum(first, first + step)
+        middle = (low + high) / 2
+        inside = np.maximum(np.minimum(high, reach) - np.maximum(low, -reach), 0)
+        change, at_middle = 0.0, 0.0
+        if inside.prod() > 0:
+            x, y = np.meshgrid(*(np.maximum(low, -reach)[k] + inside[k] * (node + 1) / 2 for k in (0, 1)))
+            change = ((share(x.ravel(), y.ravel()) - 1) * np.outer(weight, weight).ravel() / 4).sum() * inside.prod() / abs(step.prod())
+        if (abs(middle) < reach).all():
+            at_middle = share(*(np.array([m]) for m in middle))[0] - 1
+        if row.manifest.get("first_sample_at_centre"):
+            change += (at_middle - change) / row.row["samples"]
+        out[pixel] *= 1 + change
+    return (out, "", 0) if np.any(out != row.exact) else None
+
+
 def averages(row, right, down):
     """Exact pixel averages of an open light's image that is shifted by some pixels."""
     grid = row.manifest["pixels"]
@@ -403,7 +447,7 @@ def factor(row):
     return best * row.exact, f"factor {best:.5f} (fitted)", 1
 
 
-HYPOTHESES = [factor, receiver_raised, warped_disk, equal_area_square, product_of_means, edge_grid, grid_visibility, few_cells, stratum_pairs, shifted_row, shifted_row_up,
+HYPOTHESES = [factor, receiver_raised, warped_disk, equal_area_square, product_of_means, edge_grid, grid_visibility, few_cells, stratum_pairs, planar_density, shifted_row, shifted_row_up,
               half_pixel, first_sample_at_centre, all_at_centre]
 
 

@@ -23,7 +23,7 @@ STYLE = """
 @media(prefers-color-scheme:dark){:root{--ink:#e6e7ea;--soft:#a2a6ae;--paper:#15171a;--line:#33373d;--panel:#1d2024;--accent:#7db3f2;
 --pass:#5cc98a;--fail:#ff8a80;--floor:#ff8a80;--undecided:#e3b341;--none:#9a9ea6;--plus:#ff7b6b;--minus:#6aaeff;--pred:#ffa45c}}
 *{box-sizing:border-box}body{margin:0;background:var(--paper);color:var(--ink);font:16px/1.55 system-ui,-apple-system,"Segoe UI",sans-serif}
-main{max-width:68rem;margin:0 auto;padding:1.2rem 1rem 4rem}h1{font-size:1.7rem;line-height:1.25;margin:.4rem 0}h2{font-size:1.2rem;margin:2.2rem 0 .5rem}
+main{max-width:74rem;margin:0 auto;padding:1.2rem 1rem 4rem}h1{font-size:1.7rem;line-height:1.25;margin:.4rem 0}h2{font-size:1.2rem;margin:2.2rem 0 .5rem}
 p{max-width:46rem}a{color:var(--accent)}.soft{color:var(--soft)}.scroll{overflow-x:auto;-webkit-overflow-scrolling:touch}
 table{border-collapse:collapse;font-size:.86rem;font-variant-numeric:tabular-nums;margin:.6rem 0}th,td{padding:.3rem .6rem;border-bottom:1px solid var(--line);text-align:left;vertical-align:top}
 th{font-weight:600;color:var(--soft);white-space:nowrap}td.k{white-space:nowrap}td.w{min-width:15rem}code{background:var(--panel);border-radius:4px;padding:0 .25em;font-size:.92em}td.n{text-align:right;white-space:nowrap}.v{font-weight:600;white-space:nowrap}
@@ -76,6 +76,18 @@ def sized(row):
     if row["mode"] == "efforts":
         row["errors"] = [(n, float(abs(v - data.exact).max() / data.peak), float(abs(v.sum() / total - 1))) for n, v in data.by_effort.items()]
     return row
+
+
+def reflowed(text):
+    """A letter without our line breaks: lists, tables and headings keep theirs."""
+    out = []
+    for line in text.split("\n"):
+        heading = bool(out) and out[-1].startswith("**") and out[-1].endswith("**")
+        if out and line and out[-1] and not heading and not line.startswith(("    ", "**", "- ")) and not out[-1].startswith("    "):
+            out[-1] += " " + line
+        else:
+            out.append(line)
+    return "\n".join(out)
 
 
 def words(text):
@@ -136,7 +148,7 @@ def effort(row):
     return f"{row.get('count', '')} x {row['samples']}" + (f", {row['pixels']} pixels" if row["mode"] == "images" else "")
 
 
-HEAD = ["case", "setting", "verdict", "seen from, mean / place", "mean", "worst, of the brightest", "work"]
+HEAD = ["case", "setting", "verdict", "seen from, mean / place", "mean", "worst place, of the brightest", "work"]
 
 
 def table_row(row):
@@ -154,7 +166,14 @@ def picture(row, found):
         columns, rows = (int(n) for n in row["pixels"].split("x"))
         share = [100 * (m / e - 1) if e > 0 else None for m, e in zip(data.mean, data.exact)]
         z = [(m - e) / s if s > 0 else None for m, e, s in zip(data.mean, data.exact, data.error)]
-        return scrolled(drawing.signed_map(columns, rows, share, z, title))
+        row_of = rows // 2
+        line = slice(row_of * columns, (row_of + 1) * columns)
+        along = data.position[line]
+        step = ((along - along[0]) ** 2).sum(axis=1) ** 0.5
+        straight = [(n, list(p)[line]) for n, p in fitting]
+        across = drawing.profile(list(step - step[-1] / 2), list(data.exact[line]), list(data.mean[line]), list(data.error[line]), straight,
+                                 title, "along the middle row of pixels, m from its middle", data.peak)
+        return scrolled(across) + scrolled(drawing.signed_map(columns, rows, share, z, title))
     x = ((data.position - data.position[0]) ** 2).sum(axis=1) ** 0.5 + (data.position[0][0] if abs(data.position[0][1] - data.position[-1][1]) < 1e-9 else 0)
     return scrolled(drawing.profile(list(x), list(data.exact), list(data.mean), list(data.error), fitting, title))
 
@@ -234,7 +253,7 @@ class Report:
                 body += tests_table(self.found(r))
         body += "<h2>What passes beside it</h2>" + table(HEAD, [table_row(r) for r in passes])
         body += f"<h2>The smallest script that shows it</h2><pre>{escape(script)}</pre>"
-        body += f'<h2>Draft of a report to the authors</h2><p class="soft">Not sent. To be read again, and run again on the newest version, before it is.</p><pre class="letter">{escape(fill(f["draft"]))}</pre>'
+        body += f'<h2>Draft of a report to the authors</h2><p class="soft">Not sent. To be read again, and run again on the newest version, before it is.</p><pre class="letter">{escape(fill(reflowed(f["draft"])))}</pre>'
         self.write(f"findings/{f['slug']}.html", page(f["title"], body, 1))
         return {"slug": f["slug"], "title": f["title"], "failed": len(failed), "of": len(rows), "fit": len([1 for _, one in fits if one["fits"]]),
                 "tested": len(fits), "best": best, "rows": failed}

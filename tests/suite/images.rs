@@ -16,7 +16,7 @@ use etendue::external::{Manifest, PixelGrid};
 use etendue::geometry::{DVec3, Disk, Rectangle, Shape};
 use etendue::radiometry::{Albedo, Exitance};
 use etendue::statistics::budget::seed_of;
-use etendue::trial::{ImageTerms, ImagesOutcome, judge_images, as_judged};
+use etendue::trial::{ImageTerms, ImagesOutcome, as_judged, judge_images};
 use etendue::{Case, Configuration, Draws, Verdict};
 
 const RHO: f64 = 0.8;
@@ -434,7 +434,8 @@ fn fields_and_a_flat_mirror_are_told() {
     let scene: serde_json::Value = serde_json::from_slice(&told.files[0].1).unwrap();
     let fields = &scene["sources"][0]["fields"];
     assert_eq!((&fields["columns"], &fields["rows"]), (&serde_json::json!(4), &serde_json::json!(2)));
-    let radiance: Vec<f64> = fields["radiance"].as_array().unwrap().iter().map(|l| PI * l.as_f64().unwrap()).collect();
+    let radiance: Vec<f64> =
+        fields["radiance"].as_array().unwrap().iter().map(|l| PI * l.as_f64().unwrap()).collect();
     for (k, due) in [1.75, 0.25, 1.75, 0.25, 0.25, 1.75, 0.25, 1.75].into_iter().enumerate() {
         assert!((radiance[k] - due).abs() < 1e-15, "{radiance:?}");
     }

@@ -57,10 +57,10 @@ pub fn mitsuba(configuration: &Configuration, name: &str, order: &Order) -> Resu
     }
     for (i, (outline, reflectance)) in mirrors(configuration).iter().enumerate() {
         let id = format!("mirror-{i}");
-        let _ = write!(
+        let _ = writeln!(
             scene,
             "    <bsdf type=\"twosided\" id=\"{id}-sides\"><bsdf type=\"conductor\"><string name=\"material\" value=\"none\"/>\
-             <rgb name=\"specular_reflectance\" value=\"{reflectance:?}\"/></bsdf></bsdf>\n"
+             <rgb name=\"specular_reflectance\" value=\"{reflectance:?}\"/></bsdf></bsdf>"
         );
         shape(&mut scene, &mut files, outline, &id, &format!("{id}-sides"), "");
     }

@@ -3,8 +3,8 @@
 use serde::Serialize;
 
 use super::{
-    Inexpressible, Order, Recipe, beam_and_ball, beyond_direct_light, camera_height, fields, grid, json, manifest, mirrors, receiver,
-    reflectance, triangles,
+    Inexpressible, Order, Recipe, beam_and_ball, beyond_direct_light, camera_height, fields, grid, json, manifest,
+    mirrors, receiver, reflectance, triangles,
 };
 use crate::configuration::Configuration;
 use crate::external::Manifest;

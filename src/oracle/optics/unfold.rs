@@ -127,9 +127,10 @@ impl Window {
         let side = (receiver.center() - self.origin).dot(self.normal).signum();
         let slack = CLEARANCE * self.size(receiver, shape);
         let height = |p: DVec3| side * (p - self.origin).dot(self.normal) - slack;
-        corners(shape).into_iter().map(height).fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], h| {
-            [low.min(h), high.max(h)]
-        })
+        corners(shape)
+            .into_iter()
+            .map(height)
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], h| [low.min(h), high.max(h)])
     }
 
     /// Whether every segment from the receiver to a shape behind the plane passes through the window.
@@ -201,7 +202,11 @@ mod tests {
         let floor = Rectangle::new(DVec3::ZERO, DVec3::X * 2.0, DVec3::Y * 2.0).unwrap();
         let grid = (0..49).map(|k| DVec3::new(0.3 * f64::from(k % 7) - 0.9, 0.3 * f64::from(k / 7) - 0.9, 0.0));
         Configuration::of(Contents {
-            sources: vec![lit(Shape::Rectangle(up), 1.0), lit(Shape::Sphere(globe), 0.7), lit(Shape::Disk(tilted), 2.0)],
+            sources: vec![
+                lit(Shape::Rectangle(up), 1.0),
+                lit(Shape::Sphere(globe), 0.7),
+                lit(Shape::Disk(tilted), 2.0),
+            ],
             occluders: vec![Shape::Sphere(Sphere::new(DVec3::new(0.2, 0.2, ball), 0.2).unwrap())],
             mirrors: vec![Mirror::new(mirror, 0.8).unwrap()],
             receiver: Some(Receiver::new(ReceiverShape::Rectangle(floor), Some(Albedo::new(0.5))).unwrap()),
@@ -222,7 +227,8 @@ mod tests {
         let bare = Oracle::new(&unfolded(&room(above(2.0), -3.0)).unwrap());
         for height in [0.5, 1.6] {
             let folded = room(above(2.0), height);
-            let mirror = PlaneMirror::new(folded.mirrors()[0].shape().outline().unwrap().pop().unwrap(), 0.8).unwrap();
+            let mirror =
+                PlaneMirror::new(folded.mirrors()[0].shape().outline().unwrap().pop().unwrap(), 0.8).unwrap();
             let (direct, by_mirror) = (Oracle::new(&folded), MirrorOracle::new(&folded, &mirror).unwrap());
             let open = Oracle::new(&unfolded(&folded).unwrap());
             let mut dimmed = 0;

@@ -140,11 +140,13 @@ pub(super) fn caustic(configuration: &Configuration) -> Option<CausticLayout> {
 
 /// The exact means behind a ball: power over area.
 pub(super) fn behind_glass(layout: &CausticLayout, grid: &PixelGrid) -> Vec<PixelTruth> {
-    let pixel = |p: usize| grid.footprint(grid.place(p)).expect("a grid's pixels are rectangles, or there is no grid");
+    let pixel =
+        |p: usize| grid.footprint(grid.place(p)).expect("a grid's pixels are rectangles, or there is no grid");
     let truth = |p: usize| {
         let footprint = pixel(p);
         let power = layout.power_in_rectangle(&footprint);
-        let [irradiance, bound] = power.map_or([0.0, f64::INFINITY], |x| [x.value, x.bound].map(|x| x / footprint.area()));
+        let [irradiance, bound] =
+            power.map_or([0.0, f64::INFINITY], |x| [x.value, x.bound].map(|x| x / footprint.area()));
         // On the caustic itself there is no value.
         let middle = layout.irradiance_at(footprint.center()).map_or(irradiance, |x| x.value);
         PixelTruth { irradiance, bound, middle, unoccluded: irradiance, region: Some(Region::Lit), shifted: 0.0 }
