@@ -391,6 +391,58 @@ def planar_density(row):
     return (out, "", 0) if np.any(out != row.exact) else None
 
 
+def through_ball(row, epsilon):
+    """A beam through a ball of glass, ray by ray: light is unpolarised again at each face, and rays start off surfaces by epsilon times
+    one more than the greatest coordinate, W/m2 in every pixel."""
+    beam, ball = row.scene["beams"][0], row.scene["glass"][0]
+    index, radius, middle = ball["index"], ball["radius"], np.array(ball["center"])
+    grid, floor = row.manifest["pixels"], row.scene["receiver"]["center"][2] - middle[2]
+    corner, step = np.array(grid["corner_m"])[:2] - middle[:2], np.array([grid["per_column_m"][0], grid["per_row_m"][1]])
+    columns, rows = grid["width"], grid["height"]
+    height, total = row.scene["camera_height"], np.zeros(columns * rows)
+
+    def start(place, normal, direction):
+        return place + epsilon * (1 + abs(place + middle[:, None]).max(axis=0)) * np.sign((normal * direction).sum(axis=0)) * normal
+
+    def bent(direction, normal, ratio):
+        c = -(direction * normal).sum(axis=0)
+        t = np.sqrt(1 - ratio**2 * (1 - c * c))
+        loss = (((ratio * c - t) / (ratio * c + t)) ** 2 + ((ratio * t - c) / (ratio * t + c)) ** 2) / 2
+        return ratio * direction + (ratio * c - t) * normal, 1 - loss
+
+    parts, along, around = 40, 900, 720
+    turn = (np.arange(around) + 0.5) / around * 2 * math.pi
+    for part in range(parts):
+        b, phi = (a.ravel() for a in np.meshgrid(beam["radius"] * np.sqrt((part + (np.arange(along) + 0.5) / along) / parts), turn))
+        place = np.stack([b * np.cos(phi), b * np.sin(phi), np.sqrt(radius**2 - b * b)])
+        inside, first = bent(np.stack([0 * b, 0 * b, 0 * b - 1]), place / radius, 1 / index)
+        origin = start(place, place / radius, inside)
+        half = (origin * inside).sum(axis=0)
+        leaves = origin + (np.sqrt(half**2 - (origin**2).sum(axis=0) + radius**2) - half) * inside
+        normal = leaves / np.linalg.norm(leaves, axis=0)
+        outside, second = bent(inside, -normal, index)
+        origin = start(radius * normal, normal, outside)
+        x, y, _ = origin + (floor - origin[2]) / outside[2] * outside
+        # Towards the camera, too, the cosine is that of the direction from the point off the floor.
+        delta, r2 = epsilon * (1 + np.maximum(np.maximum(abs(x), abs(y)), abs(floor + middle[2]))), x * x + y * y
+        seen = (height - delta) / np.sqrt(r2 + (height - delta) ** 2) * np.sqrt(r2 + height**2) / height
+        i, j = np.floor((x - corner[0]) / step[0]).astype(int), np.floor((y - corner[1]) / step[1]).astype(int)
+        ok = (i >= 0) & (i < columns) & (j >= 0) & (j < rows)
+        np.add.at(total, (j * columns + i)[ok], (first * second * seen)[ok])
+    return beam["irradiance"] * total * math.pi * beam["radius"] ** 2 / (parts * along * around) / abs(step.prod())
+
+
+def unpolarised(row):
+    """Light is unpolarised again at each face of the glass: mean reflectances, where the exact values keep both polarisations apart."""
+    return (through_ball(row, 0.0), "", 0) if row.scene.get("glass") else None
+
+
+def rays_off_surfaces(row):
+    """The same, and rays start off the surface that they leave, by 1500/2^24 times one more than the greatest coordinate: behind the
+    ball they land elsewhere, and the cosine towards the camera is that of another direction."""
+    return (through_ball(row, 1500 * 2.0**-24), "", 0) if row.scene.get("glass") and row.row["witness"] == "mitsuba" else None
+
+
 def averages(row, right, down):
     """Exact pixel averages of an open light's image that is shifted by some pixels."""
     grid = row.manifest["pixels"]
@@ -455,8 +507,8 @@ def tested(row):
     """What each hypothesis that has something to say makes of a row, and of no hypothesis at all."""
     found = []
     # Light by mirrors and from textures is beyond the closed forms here.
-    plain = not row.scene.get("mirrors") and not any("fields" in s for s in row.scene["sources"])
-    for hypothesis in [None, *(HYPOTHESES if plain else [factor])]:
+    plain = not row.scene.get("mirrors") and not row.scene.get("glass") and not any("fields" in s for s in row.scene["sources"])
+    for hypothesis in [None, *(HYPOTHESES if plain else [factor, unpolarised, rays_off_surfaces])]:
         made = (row.exact, "", 0) if hypothesis is None else hypothesis(row)
         if made is None:
             continue
