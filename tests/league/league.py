@@ -8,6 +8,7 @@ on; verdicts are made anew each time, they cost little. DIR/results[-quick][-N].
 import argparse
 import concurrent.futures
 import csv
+import fcntl
 import hashlib
 import json
 import math
@@ -278,6 +279,12 @@ class League:
                 "version": self.etendue("--version").stdout.strip(), "notes": [], "count": None, "folder": out, "report": out}
 
     def save(self):
+        # Several runs of the league may share a folder.
+        with open(os.path.join(self.given.dir, "results.lock"), "w") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            self.save_alone()
+
+    def save_alone(self):
         path = os.path.join(self.given.dir, f"results{self.suffix}.json")
         rows = {}
         if os.path.exists(path):

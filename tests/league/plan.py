@@ -53,7 +53,7 @@ for sampler in ("multijitter", "stratified"):
     for case in ["rectangle-occluder", "disk-occluder"] + (["sphere-light"] if sampler == "multijitter" else []):
         images("mitsuba", case, sampler, {"sampler": sampler}, samples=256, count=1000, most=12000)
 
-images("mitsuba", "textured", "independent", {"sampler": "independent"}, samples=64, count=1000, most=20000, quick={"count": 400, "most": 400})
+images("mitsuba", "textured", "independent", {"sampler": "independent"}, samples=64, count=1000, most=20000, quick={"count": 1600, "most": 1600})
 for integrator in ("path", "ptracer"):
     images("mitsuba", "mirror", integrator, {"integrator": integrator}, samples=1024, count=200, most=20000)
 for case in ("ball-control", "ball"):
@@ -130,9 +130,11 @@ images("cycles", "control", "area light, blue noise", {**CENTRE, "pattern": "BLU
 # LuxCore: the image is a pixel row off, which the control shows; the rest is judged with the row put back.
 images("luxcore", "control", "random, as released", {"sampler": "RANDOM", "row_shift": 0}, pixels="9x9", samples=64, count=64, most=400)
 images("luxcore", "control", "random", {"sampler": "RANDOM"}, pixels="9x9", samples=64, count=400, most=3000, control=True)
-for case in OPEN + SHADOWS + ["sphere-occluder", "contact-100mm"]:
+for case in ("disk-025", "disk-050"):
     images("luxcore", case, "random", {"sampler": "RANDOM"}, samples=1024, count=128, most=1500)
+for case in OPEN[2:] + SHADOWS + ["sphere-occluder", "contact-100mm"]:
+    images("luxcore", case, "random", {"sampler": "RANDOM"}, pixels="9x9" if case in SHADOWS else "7x7", samples=64, count=400, most=4000)
 images("luxcore", "textured", "random", {"sampler": "RANDOM"}, samples=1024, count=128, most=1500)
 images("luxcore", "mirror", "random", {"sampler": "RANDOM"}, samples=1024, count=128, most=1500)
-for case in ("rectangle", "rectangle-occluder", "disk-occluder"):
-    images("luxcore", case, "sobol", {"sampler": "SOBOL"}, samples=256, count=128, most=1000)
+for case in ("rectangle", "rectangle-occluder"):
+    images("luxcore", case, "sobol", {"sampler": "SOBOL"}, samples=64, count=400, most=4000)
