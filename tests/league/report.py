@@ -311,7 +311,8 @@ class Report:
     def other_seeds(self):
         """What came of running the quick entries again."""
         first, second = (({(r["witness"], r["case"], r["label"]): r for r in q["rows"]} if q else {}) for q in self.quick)
-        both = [k for k in first if k in second and k[0] != "etendue"]
+        asked = lambda k: k in second and "none" not in (kind(first[k]["verdict"]), kind(second[k]["verdict"]))
+        both = [k for k in first if k[0] != "etendue" and asked(k)]
         if not both:
             return ""
         changed = [" / ".join(k) for k in both if first[k]["verdict"] != second[k]["verdict"]]
