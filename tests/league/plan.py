@@ -84,10 +84,10 @@ for case in ("rectangle", "rectangle-occluder"):
 
 # raysect: rays aimed at the sources' bounding spheres. Some 400,000 rays a second, so fewer cases than the others have.
 points("raysect", "control", "targeted", {"observer": "targeted"}, samples=4000, count=400, most=8000, control=True,
-       quick={"count": 100, "most": 100, "smallest": "1e-2,6e-2"})
+       quick={"samples": 500, "count": 800, "most": 800, "smallest": "1e-2,6e-2"})
 for case in ("disk-050", "rectangle-occluder", "disk-occluder", "sphere-light", "sphere-occluder"):
     points("raysect", case, "targeted", {"observer": "targeted"}, samples=4000, count=100 if case == "sphere-light" else 400, most=6000,
-           quick={"count": 100, "most": 100, "smallest": "1e-2,1e-1"} if case in ("sphere-light", "disk-occluder") else None)
+           quick={"samples": 500, "count": 800, "most": 800, "smallest": "1e-2,1e-1"} if case in ("sphere-light", "disk-occluder") else None)
 for case in ("textured", "mirror"):
     points("raysect", case, "targeted", {"observer": "targeted"}, samples=500, count=2000, most=60000)
 
