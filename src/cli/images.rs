@@ -13,7 +13,7 @@ use crate::external::recipe::{self, Inexpressible, Order};
 use crate::external::{Manifest, ManifestError};
 use crate::report;
 use crate::statistics::Verdict;
-use crate::trial::{ImageTerms, LEAST_TOLERANCE_OF_HALVES, judge_images, quoted};
+use crate::trial::{ImageTerms, LEAST_TOLERANCE_OF_HALVES, as_judged, judge_images, quoted};
 
 pub(super) const EXPORT_HELP: &str = "\
 The folder gets scene.xml (and OBJ files), manifest.json, which says what the pixels are, and render.py, which renders
@@ -27,7 +27,10 @@ independent images into one array:
 Any other renderer: `--for json` writes scene.json (shapes, receiver, height of the camera, points in numbers) and the manifest;
 a script of yours builds the scene, and writes an array [image, row, column] of radiance.
 
-What the renderer cannot express (textures, lamps, mirrors, glass, receivers that are no rectangle, an occluder that touches the
+A rectangle of even texels and one flat mirror are exported; with a mirror, light that has met it once belongs to the image
+(`depth` 3), and images are judged if all of the receiver sees all of every source in it.
+
+What is not expressed (other textures, lamps, curved mirrors, glass, receivers that are no rectangle, an occluder that touches the
 receiver) is refused by name.
 
 Exit codes: 0 written, 2 the command line or a case is wrong or cannot be expressed, 4 nothing selected, 5 an output could not be
@@ -108,6 +111,9 @@ fn export_to_end(options: &ExportOptions) -> Result<u8, u8> {
         ));
     }
     let case = cases.remove(0);
+    if let Err(why) = as_judged(&case) {
+        eprintln!("note: images of {} cannot be judged: {why}", case.name);
+    }
     let order = Order { pixels: options.pixels, samples_per_pixel: options.samples };
     let recipe = match options.renderer {
         Renderer::Mitsuba => recipe::mitsuba(&case.configuration, &case.name, &order),
@@ -136,6 +142,8 @@ pub(super) fn verify(options: &VerifyOptions, case: &Case) -> Result<u8, u8> {
     let VerifyOptions { files, images, terms, .. } = options;
     let beside = || files[0].parent().map_or_else(PathBuf::new, PathBuf::from).join("manifest.json");
     let path = images.manifest.clone().unwrap_or_else(beside);
+    let straight = as_judged(case)
+        .map_err(|error| fault(exit::USAGE, format!("images of {} cannot be judged: {error}", case.name)))?;
     let manifest = Manifest::read(&path, &case.configuration).map_err(|error| {
         let hint = match &error {
             ManifestError::Unreadable { .. } if images.manifest.is_none() => {
@@ -191,7 +199,7 @@ pub(super) fn verify(options: &VerifyOptions, case: &Case) -> Result<u8, u8> {
         smallest_bias: terms.smallest_bias.unwrap_or(case.study.smallest_bias),
     };
     report::claim_images(&images.out).map_err(|error| fault(exit::OUTPUT, error))?;
-    let outcome = judge_images(case, &manifest.pixels, &stack, &judged);
+    let outcome = judge_images(&straight, &manifest.pixels, &stack, &judged);
     report::write_images(&images.out, &outcome).map_err(|error| fault(exit::OUTPUT, error))?;
     print(&report::images_table(&outcome, Some(&images.out)))?;
     Ok(match outcome.verdict() {

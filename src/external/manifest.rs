@@ -38,7 +38,7 @@ pub struct Manifest {
     /// Reflectance of the receiver in the scene, ρ.
     pub rho: f64,
     pub pixels: PixelGrid,
-    /// Surfaces that light meets on its way, the source being the first: direct light only.
+    /// Surfaces that light meets on its way at most, the source being the first: 2, direct light; 3, by a mirror, too; 4, by a ball of glass.
     pub depth: u32,
     pub filter: String,
     /// Whether the first of a pixel's samples looks at its middle, whatever the seed: then the mean over images is
@@ -76,6 +76,15 @@ impl Manifest {
         Ok(manifest)
     }
 
+    /// 2; 3 where there is a mirror; 4 where there is glass, at which light is bent twice.
+    pub(super) fn depth_of(configuration: &Configuration) -> u32 {
+        match (configuration.mirrors(), configuration.glass()) {
+            (_, [_, ..]) => 4,
+            ([_, ..], []) => 3,
+            ([], []) => 2,
+        }
+    }
+
     /// Irradiance for each unit of radiance in a pixel: π/ρ.
     pub fn irradiance_of_radiance(&self) -> f64 {
         PI / self.rho
@@ -110,8 +119,15 @@ impl Manifest {
                 &"`box`: with another one a pixel records what lies beside it, and no exact value is known",
             );
         }
-        if self.depth != 2 {
-            return said("depth", &self.depth, &"2 (direct light)");
+        let depth = Manifest::depth_of(configuration);
+        if self.depth != depth {
+            let why = [
+                "2 (direct light)",
+                "3 (direct light, and light by one mirror)",
+                "4 (light through a ball of glass)",
+            ];
+            let why = why[(depth as usize - 2).min(2)];
+            return said("depth", &self.depth, &why);
         }
         if self.samples_per_pixel == 0 {
             return said("samples_per_pixel", &0, &"1 or more");

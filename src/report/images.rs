@@ -40,9 +40,9 @@ pub fn write_images(dir: &Path, outcome: &ImagesOutcome) -> Result<Vec<PathBuf>,
 }
 
 /// Writes files of an export, in their order.
-pub fn write_files(dir: &Path, files: &[(String, String)]) -> Result<Vec<PathBuf>, ReportError> {
+pub fn write_files(dir: &Path, files: &[(String, Vec<u8>)]) -> Result<Vec<PathBuf>, ReportError> {
     claim_files(dir, &[])?;
-    files.iter().map(|(name, content)| write_whole(dir, name, content.as_bytes())).collect()
+    files.iter().map(|(name, content)| write_whole(dir, name, content)).collect()
 }
 
 pub(super) struct PixelRow<'a> {

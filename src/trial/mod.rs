@@ -55,7 +55,7 @@ pub use guest::{
 };
 #[cfg(feature = "studies")]
 pub use images::{
-    Cause, ImageTerms, ImagesOutcome, LEAST_TOLERANCE, LEAST_TOLERANCE_OF_HALVES, Part, Pixel, PixelTruth,
+    Cause, ImageTerms, ImagesOutcome, LEAST_TOLERANCE, LEAST_TOLERANCE_OF_HALVES, Part, Pixel, PixelTruth, as_judged,
     judge_images,
 };
 pub use lean::Leaning;

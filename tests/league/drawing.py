@@ -64,9 +64,9 @@ def svg(height, parts, title):
             + "".join(parts) + "</svg>")
 
 
-def profile(x, exact, mean, error, predicted, title, along="along the line of points, m"):
+def profile(x, exact, mean, error, predicted, title, along="along the line of points, m", peak=None):
     """Irradiance above, deviation in per cent of the brightest point below, and what was predicted of it."""
-    peak = max(exact)
+    peak = peak or max(exact)
     deviation = [100 * (m - e) / peak for m, e in zip(mean, exact)]
     bars = [100 * s / peak for s in error]
     curves = [[100 * (p - e) / peak for p, e in zip(values, exact)] for _, values in predicted]

@@ -8,6 +8,7 @@ on; verdicts are made anew each time, they cost little. DIR/results[-quick][-N].
 import argparse
 import concurrent.futures
 import csv
+import fcntl
 import hashlib
 import json
 import math
@@ -73,6 +74,8 @@ class League:
         said_path = os.path.join(entry_folder, "said.json")
         if os.path.exists(out) and os.path.exists(said_path):
             return out, json.loads(read(said_path))
+        if self.given.judge:
+            return "not judged", {"words": "nothing was rendered yet"}
         shutil.rmtree(entry_folder, ignore_errors=True)
         os.makedirs(entry_folder)
         job = {"mode": entry["mode"], "scene": os.path.join(folder, "scene.json"), "manifest": os.path.join(folder, "manifest.json"),
@@ -82,15 +85,20 @@ class League:
         with open(path, "w") as file:
             json.dump(job, file)
         command = [self.python(entry["witness"]), os.path.join(self.witnesses, entry["witness"] + ".py"), path]
-        with open(os.path.join(entry_folder, "stderr.txt"), "wb") as errors:
-            child = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=errors, cwd=entry_folder, start_new_session=True)
-            try:
-                stdout, _ = child.communicate(timeout=entry["timeout"])
-            except subprocess.TimeoutExpired:
-                os.killpg(child.pid, signal.SIGKILL)
-                child.wait()
-                return "hung", {"words": f"no end after {entry['timeout']} s"}
-        lines = stdout.decode(errors="replace").strip().splitlines()
+        # With what it prints in files nothing fills up, and its processor time can be asked for when it ends.
+        stdout_path = os.path.join(entry_folder, "stdout.txt")
+        with open(stdout_path, "wb") as stdout, open(os.path.join(entry_folder, "stderr.txt"), "wb") as errors:
+            child = subprocess.Popen(command, stdout=stdout, stderr=errors, cwd=entry_folder, start_new_session=True)
+            begin, done = time.time(), 0
+            while not done:
+                if time.time() - begin > entry["timeout"]:
+                    os.killpg(child.pid, signal.SIGKILL)
+                    child.wait()
+                    return "hung", {"words": f"no end after {entry['timeout']} s"}
+                time.sleep(0.05)
+                done, status, usage = os.wait4(child.pid, os.WNOHANG)
+            child.returncode = os.waitstatus_to_exitcode(status)
+        lines = read(stdout_path).decode(errors="replace").strip().splitlines()
         try:
             said = json.loads(lines[-1])
         except (IndexError, ValueError):
@@ -106,6 +114,7 @@ class League:
         problem = self.broken(entry, job, out)
         if problem:
             return "broken output", {"words": problem}
+        said["processor_seconds"] = round(usage.ru_utime + usage.ru_stime, 2)
         with open(said_path, "w") as file:
             json.dump(said, file)
         return out, said
@@ -140,6 +149,7 @@ class League:
         # What is rendered does not depend on where points are measured, nor on the remarks above the case.
         told = read(case).decode().partition("\ntitle")[2]
         witness_files.append((told.partition("[measure]")[0] if entry["mode"] == "images" else told).encode())
+        witness_files += [read(os.path.join(HERE, "cases", picture)) for picture in re.findall(r'image = "([^"]+)"', told)]
         settings = {k: v for k, v in entry["settings"].items() if k != "first_sample_at_centre"}
         name = re.sub(r"[^a-z0-9]+", "-", f"{entry['witness']}-{entry['case']}-{entry['label']}".lower())
         key = digest(*witness_files, settings, entry["mode"], entry["pixels"], entry["samples"], entry.get("efforts"), self.given.seed_set)
@@ -153,16 +163,19 @@ class League:
             manifest["first_sample_at_centre"] = True
             with open(path, "w") as file:
                 json.dump(manifest, file, indent=2)
-        have, seconds, step, outs, notes = 0, 0.0, entry["count"], [], set()
+        have, seconds, processor, step, outs, notes = 0, 0.0, 0.0, entry["count"], [], set()
         while True:
             out, said = self.chunk(entry, folder, have, step)
+            if have and self.given.judge and out == "not judged":
+                return row
             if not isinstance(out, str) or not os.path.exists(out):
                 return {**row, "verdict": out, "words": said["words"]}
             outs.append(out)
             have, seconds = have + step, seconds + said["seconds"]
+            processor += said.get("processor_seconds", said["seconds"])
             notes |= set(said["notes"])
             judged = self.verify(entry, folder, case, outs)
-            row.update(judged, version=said["version"], seconds=seconds, notes=sorted(notes), count=have, folder=folder)
+            row.update(judged, version=said["version"], seconds=seconds, processor_seconds=processor, notes=sorted(notes), count=have, folder=folder)
             wanted = re.search(r"about (\d+) (images|replicates) would do", judged.get("words", ""))
             if judged["verdict"] != "undecided" or have >= entry["most"]:
                 return row
@@ -266,6 +279,12 @@ class League:
                 "version": self.etendue("--version").stdout.strip(), "notes": [], "count": None, "folder": out, "report": out}
 
     def save(self):
+        # Several runs of the league may share a folder.
+        with open(os.path.join(self.given.dir, "results.lock"), "w") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            self.save_alone()
+
+    def save_alone(self):
         path = os.path.join(self.given.dir, f"results{self.suffix}.json")
         rows = {}
         if os.path.exists(path):
@@ -335,6 +354,7 @@ def main():
     words.add_argument("--case")
     words.add_argument("--seed-set", type=int, default=1)
     words.add_argument("--jobs", type=int, default=2)
+    words.add_argument("--judge", action="store_true", help="judge what has been rendered, and render nothing")
     words.add_argument("--expect", action="store_true", help="write the verdicts of this run into expected.csv")
     given = words.parse_args()
     given.dir, given.etendue = os.path.abspath(given.dir), os.path.abspath(given.etendue)

@@ -35,6 +35,8 @@ class Job:
         with open(self.manifest) as file:
             self.manifest = json.load(file)
         self.sources, self.occluders = self.scene["sources"], self.scene["occluders"]
+        self.mirrors, self.depth = self.scene.get("mirrors", []), self.manifest["depth"]
+        self.beams, self.glass = self.scene.get("beams", []), self.scene.get("glass", [])
         self.rho = self.manifest["rho"]
         self.width, self.height = self.manifest["pixels"]["width"], self.manifest["pixels"]["height"]
         self.positions = np.array([p["position"] for p in self.scene["points"]])
@@ -64,6 +66,22 @@ class Job:
         if np.any(centre) or u[1] or u[2] or v[0] or v[2] or n[2] != 1 or u[0] <= 0 or v[1] <= 0:
             raise Inexpressible("a receiver that is not level around the origin")
         return u[0], v[1], height
+
+
+    def must_know(self, knows):
+        """What an adapter does not know by name it would pass over in silence."""
+        if self.mirrors and "mirrors" not in knows:
+            raise Inexpressible("a mirror: the adapter has none")
+        if self.glass and "glass" not in knows:
+            raise Inexpressible("a beam and a ball of glass: the adapter has none")
+        if any("fields" in s for s in self.sources) and "fields" not in knows:
+            raise Inexpressible("a light whose radiance varies over it")
+
+
+def fields(source):
+    """Radiance of a rectangle's fields: [row along edge_v][column along edge_u]; None of one that shines evenly."""
+    f = source.get("fields")
+    return None if f is None else np.array(f["radiance"]).reshape(f["rows"], f["columns"])
 
 
 def frame(normal):
@@ -108,15 +126,16 @@ def _finish(job, write):
     os.replace(part, job.out)
 
 
-def main(version, units, images=None, points=None, efforts=None):
+def main(version, units, images=None, points=None, efforts=None, knows=()):
     """Runs the job that the command line names. `images` yields arrays [row, column], `points` yields an array of values
-    for each replicate, `efforts` one for each effort."""
+    for each replicate, `efforts` one for each effort; `knows` names what the adapter can do of `mirrors`, `fields` and `glass`."""
     sys.stdout.flush()
     answer = os.fdopen(os.dup(1), "w")
     os.dup2(2, 1)
     job = Job(sys.argv[1])
     begin = time.time()
     try:
+        job.must_know(knows)
         if job.mode == "images":
             stack = np.zeros((job.count, job.height, job.width), np.float32)
             for k, image in enumerate(images(job)):

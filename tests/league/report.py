@@ -23,7 +23,7 @@ STYLE = """
 @media(prefers-color-scheme:dark){:root{--ink:#e6e7ea;--soft:#a2a6ae;--paper:#15171a;--line:#33373d;--panel:#1d2024;--accent:#7db3f2;
 --pass:#5cc98a;--fail:#ff8a80;--floor:#ff8a80;--undecided:#e3b341;--none:#9a9ea6;--plus:#ff7b6b;--minus:#6aaeff;--pred:#ffa45c}}
 *{box-sizing:border-box}body{margin:0;background:var(--paper);color:var(--ink);font:16px/1.55 system-ui,-apple-system,"Segoe UI",sans-serif}
-main{max-width:68rem;margin:0 auto;padding:1.2rem 1rem 4rem}h1{font-size:1.7rem;line-height:1.25;margin:.4rem 0}h2{font-size:1.2rem;margin:2.2rem 0 .5rem}
+main{max-width:74rem;margin:0 auto;padding:1.2rem 1rem 4rem}h1{font-size:1.7rem;line-height:1.25;margin:.4rem 0}h2{font-size:1.2rem;margin:2.2rem 0 .5rem}
 p{max-width:46rem}a{color:var(--accent)}.soft{color:var(--soft)}.scroll{overflow-x:auto;-webkit-overflow-scrolling:touch}
 table{border-collapse:collapse;font-size:.86rem;font-variant-numeric:tabular-nums;margin:.6rem 0}th,td{padding:.3rem .6rem;border-bottom:1px solid var(--line);text-align:left;vertical-align:top}
 th{font-weight:600;color:var(--soft);white-space:nowrap}td.k{white-space:nowrap}td.w{min-width:15rem}code{background:var(--panel);border-radius:4px;padding:0 .25em;font-size:.92em}td.n{text-align:right;white-space:nowrap}.v{font-weight:600;white-space:nowrap}
@@ -78,6 +78,18 @@ def sized(row):
     return row
 
 
+def reflowed(text):
+    """A letter without our line breaks: lists, tables and headings keep theirs."""
+    out = []
+    for line in text.split("\n"):
+        heading = bool(out) and out[-1].startswith("**") and out[-1].endswith("**")
+        if out and line and out[-1] and not heading and not line.startswith(("    ", "**", "- ")) and not out[-1].startswith("    "):
+            out[-1] += " " + line
+        else:
+            out.append(line)
+    return "\n".join(out)
+
+
 def words(text):
     """Text of ours with `code` in it, for a page."""
     return re.sub(r"`([^`]+)`", r"<code>\1</code>", escape(text))
@@ -104,6 +116,8 @@ def verdict_cell(row):
 
 
 def seen(row):
+    if kind(row["verdict"]) == "none":
+        return escape(spoken(row.get("words")))
     if row["mode"] == "efforts":
         within = re.search(r"within ([\d.]+ %) in the mean, ([\d.]+ %)", row.get("words") or "")
         return f"within {within.group(1)} / {within.group(2)}" if within else "by convergence"
@@ -125,6 +139,8 @@ def worst(row):
 
 
 def effort(row):
+    if kind(row["verdict"]) == "none":
+        return ""
     if row["mode"] == "efforts":
         return "up to " + str(max(n for n, *_ in row["errors"])) + " samples" if row.get("errors") else ""
     if row["mode"] == "own":
@@ -132,7 +148,7 @@ def effort(row):
     return f"{row.get('count', '')} x {row['samples']}" + (f", {row['pixels']} pixels" if row["mode"] == "images" else "")
 
 
-HEAD = ["case", "setting", "verdict", "seen from, mean / place", "mean", "worst, of the brightest", "work"]
+HEAD = ["case", "setting", "verdict", "seen from, mean / place", "mean", "worst place, of the brightest", "work"]
 
 
 def table_row(row):
@@ -150,9 +166,31 @@ def picture(row, found):
         columns, rows = (int(n) for n in row["pixels"].split("x"))
         share = [100 * (m / e - 1) if e > 0 else None for m, e in zip(data.mean, data.exact)]
         z = [(m - e) / s if s > 0 else None for m, e, s in zip(data.mean, data.exact, data.error)]
-        return scrolled(drawing.signed_map(columns, rows, share, z, title))
+        row_of = rows // 2
+        line = slice(row_of * columns, (row_of + 1) * columns)
+        along = data.position[line]
+        step = ((along - along[0]) ** 2).sum(axis=1) ** 0.5
+        straight = [(n, list(p)[line]) for n, p in fitting]
+        across = drawing.profile(list(step - step[-1] / 2), list(data.exact[line]), list(data.mean[line]), list(data.error[line]), straight,
+                                 title, "along the middle row of pixels, m from its middle", data.peak)
+        return scrolled(across) + scrolled(drawing.signed_map(columns, rows, share, z, title))
     x = ((data.position - data.position[0]) ** 2).sum(axis=1) ** 0.5 + (data.position[0][0] if abs(data.position[0][1] - data.position[-1][1]) < 1e-9 else 0)
     return scrolled(drawing.profile(list(x), list(data.exact), list(data.mean), list(data.error), fitting, title))
+
+
+# The cases that say most, first: shadows, then what is textured or mirrored, then what is open.
+TELLING = ["disk-occluder", "rectangle-occluder", "distant-disk", "mirror", "ball", "textured", "sphere-occluder", "annular-eclipse", "contact-1mm", "disk-050", "rectangle"]
+
+
+def telling(rows, most):
+    """Some rows, of different cases as far as there are."""
+    order = sorted(rows, key=lambda r: TELLING.index(r["case"]) if r["case"] in TELLING else len(TELLING))
+    first, cases = [], set()
+    for r in order:
+        if r["case"] not in cases:
+            first.append(r)
+            cases.add(r["case"])
+    return first[:most]
 
 
 def scrolled(svg):
@@ -177,7 +215,8 @@ def plain_table(rows):
 
 
 class Report:
-    def __init__(self, results, explained, out):
+    def __init__(self, results, explained, out, quick):
+        self.quick = quick
         self.rows = [sized(r) for r in results["rows"]]
         self.results, self.explained, self.out = results, explained, out
         self.by = {(r["witness"], r["case"], r["label"]): r for r in self.rows}
@@ -214,7 +253,7 @@ class Report:
                 body += tests_table(self.found(r))
         body += "<h2>What passes beside it</h2>" + table(HEAD, [table_row(r) for r in passes])
         body += f"<h2>The smallest script that shows it</h2><pre>{escape(script)}</pre>"
-        body += f'<h2>Draft of a report to the authors</h2><p class="soft">Not sent. To be read again, and run again on the newest version, before it is.</p><pre class="letter">{escape(fill(f["draft"]))}</pre>'
+        body += f'<h2>Draft of a report to the authors</h2><p class="soft">Not sent. To be read again, and run again on the newest version, before it is.</p><pre class="letter">{escape(fill(reflowed(f["draft"])))}</pre>'
         self.write(f"findings/{f['slug']}.html", page(f["title"], body, 1))
         return {"slug": f["slug"], "title": f["title"], "failed": len(failed), "of": len(rows), "fit": len([1 for _, one in fits if one["fits"]]),
                 "tested": len(fits), "best": best, "rows": failed}
@@ -235,15 +274,21 @@ class Report:
         told = [f for f in findings.FINDINGS if f["witness"] == name]
         if told:
             body += "<h2>Findings</h2><ul>" + "".join(f'<li><a href="../findings/{f["slug"]}.html">{words(f["title"])}</a></li>' for f in told) + "</ul>"
-        drawn = [r for r in rows if r.get("data") is not None and (r["case"] in ("control", "disk-occluder", "rectangle-occluder", "distant-disk"))]
-        if drawn:
-            body += "<h2>Pictures</h2>"
-        for r in drawn[:8]:
-            body += f"<h3>{escape(r['case'])}, {escape(r['label'])}: {verdict_cell(r)}</h3>" + picture(r, self.found(r))
-            if r.get("errors"):
-                body += scrolled(drawing.convergence([("worst place", [(n, w) for n, w, _ in r["errors"]]), ("mean", [(n, max(m, 1e-7)) for n, _, m in r["errors"]])],
-                                            f"{r['case']}, {r['label']}: errors against effort"))
+        drawn = [r for r in rows if r.get("data") is not None and not r["control"]]
+        right = [r for r in drawn if kind(r["verdict"]) == "pass"]
+        wrong = [r for r in drawn if kind(r["verdict"]) in ("fail", "floor")]
+        if right:
+            body += "<h2>What passes, drawn</h2>" + "".join(self.drawn(r) for r in telling(right, 3))
+        if wrong:
+            body += "<h2>What deviates, drawn</h2>" + "".join(self.drawn(r) for r in telling(wrong, 3))
         self.write(f"witnesses/{name}.html", page(f"{title}, judged", body, 1))
+
+    def drawn(self, row):
+        body = f"<h3>{escape(row['case'])}, {escape(row['label'])}: {verdict_cell(row)}</h3>" + picture(row, self.found(row))
+        if row.get("errors"):
+            body += scrolled(drawing.convergence([("worst place", [(n, w) for n, w, _ in row["errors"]]), ("mean", [(n, max(m, 1e-7)) for n, _, m in row["errors"]])],
+                                                 f"{row['case']}, {row['label']}: errors against effort"))
+        return body
 
     def tables(self):
         with open(os.path.join(self.out, "verdicts.csv"), "w", newline="") as file:
@@ -263,13 +308,25 @@ class Report:
                 for one in found:
                     write.writerow([key, one["name"], one["fits"], one.get("chi2_n"), one.get("dof"), one["worst_of_peak"], one.get("error_of_peak"), one["fitted"]])
 
+    def other_seeds(self):
+        """What came of running the quick entries again."""
+        first, second = (({(r["witness"], r["case"], r["label"]): r for r in q["rows"]} if q else {}) for q in self.quick)
+        asked = lambda k: k in second and "none" not in (kind(first[k]["verdict"]), kind(second[k]["verdict"]))
+        both = [k for k in first if k[0] != "etendue" and asked(k)]
+        if not both:
+            return ""
+        changed = [" / ".join(k) for k in both if first[k]["verdict"] != second[k]["verdict"]]
+        said = "every verdict was the same" if not changed else f"{len(changed)} verdicts were others: {'; '.join(changed)}"
+        return f"<p class=soft>{len(both)} entries of the quick run were made again with a second set of seeds: {escape(said)}.</p>"
+
     def index(self, told):
         r = self.results
         names = [n for n in findings.WITNESSES if any(x["witness"] == n for x in self.rows)]
         counts = {k: len([x for x in self.rows if kind(x["verdict"]) == k]) for k in ("pass", "fail", "floor", "undecided", "none")}
         body = (f"<p>Does a renderer get a soft shadow right? Six released programs, and our own estimator, were asked for the irradiance of area "
                 f"lights behind occluders and held against its exact value. {len(self.rows)} verdicts: {counts['pass']} passed, "
-                f"{counts['fail'] + counts['floor']} deviate, {counts['undecided']} undecided, {counts['none']} not judged.</p>"
+                f"{counts['fail'] + counts['floor']} deviate, {counts['undecided']} undecided; {counts['none']} could not be asked.</p>"
+                f"{self.other_seeds()}"
                 f"<p class=soft>{r['date']}, {escape(r['etendue'])}, {escape(r['machine'])}. Again: <code>tests/league/run.sh</code></p>")
         rows = []
         for n in names:
@@ -279,8 +336,9 @@ class Report:
             control = next((x for x in mine if x["control"]), None)
             rows.append([f'<a href="witnesses/{n}.html">{escape(findings.WITNESSES[n][0])}</a>',
                          escape(version) + (", quick run only" if any(x.get("quick") for x in mine) else ""), verdict_cell(control) if control else "",
-                         f'<span class=pass>{count("pass")}</span>', f'<span class=fail>{count("fail", "floor")}</span>', count("undecided"), count("none")])
-        body += "<h2>Who was asked</h2>" + table(["program", "version", "control", "pass", "deviates", "undecided", "not judged"], rows, (3, 4, 5, 6))
+                         f'<span class=pass>{count("pass")}</span>', f'<span class=fail>{count("fail", "floor")}</span>', count("undecided"), count("none"),
+                         f"{sum(x.get('processor_seconds') or x.get('seconds') or 0 for x in mine) / 60:.0f} min"])
+        body += "<h2>Who was asked</h2>" + table(["program", "version", "control", "pass", "deviates", "undecided", "cannot be asked", "processor time"], rows, (3, 4, 5, 6, 7))
         body += ('<p class=soft>Each verdict is a gate with a false-alarm probability of one in a million, and says what bias it would have seen (99 %). Deterministic '
                  "programs are judged by convergence: does the error go to nothing with effort, or settle at a floor? A pass says nothing of what was "
                  "not run, and a deviation nothing of settings other than those named.</p>")
@@ -323,6 +381,13 @@ def main():
     given = line.parse_args()
     with open(os.path.join(given.dir, "results.json")) as file:
         results = json.load(file)
+    def read(name):
+        path = os.path.join(given.dir, name)
+        if not os.path.exists(path):
+            return None
+        with open(path) as file:
+            return json.load(file)
+
     # A witness that only the quick run has asked stands there with what that could see.
     quick = os.path.join(given.dir, "results-quick.json")
     if os.path.exists(quick):
@@ -334,7 +399,7 @@ def main():
     explained = predictions.explained(results["rows"], given.etendue, os.path.join(given.dir, "work", "exact"))
     shutil.rmtree(given.out, ignore_errors=True)
     os.makedirs(given.out)
-    report = Report(results, explained, given.out)
+    report = Report(results, explained, given.out, [read(f"results-quick{n}.json") for n in ("", "-2")])
     told = [report.finding(f) for f in findings.FINDINGS]
     for name in findings.WITNESSES:
         report.witness(name)

@@ -57,7 +57,7 @@ def main():
     words.add_argument("--etendue", required=True)
     given, bad = words.parse_args(), 0
     with tempfile.TemporaryDirectory() as folder:
-        asked = league.League(types.SimpleNamespace(etendue=given.etendue, dir=folder, quick=False, seed_set=1))
+        asked = league.League(types.SimpleNamespace(etendue=given.etendue, dir=folder, quick=False, seed_set=1, judge=False))
         asked.witnesses, asked.python, asked.installed, asked.wants = folder, lambda w: sys.executable, lambda w: None, lambda w: b""
         with open(os.path.join(folder, "made-up.py"), "w") as file:
             file.write(WITNESS.format(here=league.HERE))

@@ -16,7 +16,7 @@ use etendue::external::{Manifest, PixelGrid};
 use etendue::geometry::{DVec3, Disk, Rectangle, Shape};
 use etendue::radiometry::{Albedo, Exitance};
 use etendue::statistics::budget::seed_of;
-use etendue::trial::{ImageTerms, ImagesOutcome, judge_images};
+use etendue::trial::{ImageTerms, ImagesOutcome, as_judged, judge_images};
 use etendue::{Case, Configuration, Draws, Verdict};
 
 const RHO: f64 = 0.8;
@@ -336,7 +336,7 @@ fn what_a_scene_cannot_hold_is_refused_by_name() {
         found.iter().map(|error| format!("{error}\n")).collect()
     };
     for (case, said) in [
-        ("texture/checker-panel", "source 0 (counted from 0): an exitance that varies"),
+        ("texture/blended-panel", "source 0 (counted from 0): an exitance that varies"),
         ("caustic/glass-ball", "glass 0"),
         ("caustic/mirror-ring", "mirror 0"),
         ("direct/sphere-receiver", "a sphere"),
@@ -367,6 +367,7 @@ fn a_scene_says_what_the_conventions_ask() {
     assert!((pixels.middle([0, 0]) - DVec3::new(-1.16, 1.14, 0.0)).length() < 1e-12);
     assert!((pixels.middle([29, 19]) - DVec3::new(1.16, -1.14, 0.0)).length() < 1e-12);
     let scene = &recipe.files.iter().find(|(name, _)| name == "scene.xml").unwrap().1;
+    let scene = std::str::from_utf8(scene).unwrap();
     for said in [
         "\"orthographic\"",
         "\"box\"",
@@ -403,7 +404,7 @@ fn a_case_is_told_in_numbers() {
     let order = Order { pixels: Some([8, 4]), samples_per_pixel: 16 };
     let case = Case::shipped("penumbra/eclipse").unwrap();
     let told = recipe::plain(&case.configuration, &case.name, &order).unwrap();
-    let scene: serde_json::Value = serde_json::from_str(&told.files[0].1).unwrap();
+    let scene: serde_json::Value = serde_json::from_slice(&told.files[0].1).unwrap();
     assert_eq!(scene["sources"][0]["kind"], "disk");
     assert_eq!(scene["sources"][0]["radius"], 0.5);
     assert_eq!(scene["sources"][0]["radiance"], 1.0 / PI);
@@ -416,12 +417,101 @@ fn a_case_is_told_in_numbers() {
     assert_eq!(manifest, Manifest { renderer: "external".to_owned(), ..mitsuba });
     let l_shape = Case::shipped("direct/l-shaped-source").unwrap();
     let told = recipe::plain(&l_shape.configuration, "l", &order).unwrap();
-    let scene: serde_json::Value = serde_json::from_str(&told.files[0].1).unwrap();
+    let scene: serde_json::Value = serde_json::from_slice(&told.files[0].1).unwrap();
     let source = &scene["sources"][0];
     let n = source["vertices"].as_array().unwrap().len();
     assert_eq!(source["triangles"].as_array().unwrap().len(), n - 2);
     let refused = recipe::plain(&Case::shipped("caustic/cup").unwrap().configuration, "cup", &order).unwrap_err();
     assert!(refused.iter().any(|error| error.to_string().contains("mirror 0")), "{refused:?}");
+}
+
+/// Fields of a panel, and a flat mirror, in numbers and in Mitsuba's words.
+#[test]
+fn fields_and_a_flat_mirror_are_told() {
+    let order = Order { pixels: Some([8, 8]), samples_per_pixel: 16 };
+    let panel = Case::shipped("texture/checker-panel").unwrap();
+    let told = recipe::plain(&panel.configuration, "panel", &order).unwrap();
+    let scene: serde_json::Value = serde_json::from_slice(&told.files[0].1).unwrap();
+    let fields = &scene["sources"][0]["fields"];
+    assert_eq!((&fields["columns"], &fields["rows"]), (&serde_json::json!(4), &serde_json::json!(2)));
+    let radiance: Vec<f64> =
+        fields["radiance"].as_array().unwrap().iter().map(|l| PI * l.as_f64().unwrap()).collect();
+    for (k, due) in [1.75, 0.25, 1.75, 0.25, 0.25, 1.75, 0.25, 1.75].into_iter().enumerate() {
+        assert!((radiance[k] - due).abs() < 1e-15, "{radiance:?}");
+    }
+    let mitsuba = recipe::mitsuba(&panel.configuration, "panel", &order).unwrap();
+    let named = |name: &str| &mitsuba.files.iter().find(|(file, _)| file == name).unwrap().1;
+    let picture = named("source-0.pfm");
+    let head = b"Pf\n4 2\n-1.0\n";
+    assert!(picture.starts_with(head) && picture.len() == head.len() + 4 * 8);
+    // The row where t ends comes first.
+    assert_eq!(picture[head.len()..][..4], ((0.25 / PI) as f32).to_le_bytes());
+    assert!(std::str::from_utf8(named("scene.xml")).unwrap().contains("source-0.pfm"));
+
+    let mirror = Case::shipped("caustic/plane-mirror").unwrap();
+    let told = recipe::plain(&mirror.configuration, "mirror", &order).unwrap();
+    let scene: serde_json::Value = serde_json::from_slice(&told.files[0].1).unwrap();
+    assert_eq!(scene["mirrors"][0]["reflectance"], 0.8);
+    // Half way to the source, which hangs lower than the mirror.
+    assert_eq!(scene["camera_height"], 0.5);
+    assert_eq!(told.manifest.unwrap().depth, 3);
+    let mitsuba = recipe::mitsuba(&mirror.configuration, "mirror", &order).unwrap();
+    let scene = mitsuba.files.iter().find(|(file, _)| file == "scene.xml").unwrap();
+    let scene = std::str::from_utf8(&scene.1).unwrap();
+    assert!(scene.contains("\"max_depth\" value=\"3\"") && scene.contains("\"conductor\""));
+}
+
+/// A mirror that shows all: what its room's pixels are is what they are in the room unfolded, planted and found.
+#[test]
+fn images_by_a_mirror_are_judged() {
+    let room = |half: f64| {
+        let text = format!(
+            r#"
+            title = "Up, and back by a mirror"
+            [[source.rectangle]]
+            center = [0.2, 0.1, 1.0]
+            edge_u = [0.5, 0.0, 0.0]
+            edge_v = [0.0, 0.5, 0.0]
+            exitance = 2.0
+            [[mirror.rectangle]]
+            center = [0.0, 0.0, 1.6]
+            edge_u = [{side}, 0.0, 0.0]
+            edge_v = [0.0, {side}, 0.0]
+            reflectance = 0.8
+            [receiver]
+            albedo = 0.5
+            [receiver.rectangle]
+            center = [0.0, 0.0, 0.0]
+            edge_u = [2.0, 0.0, 0.0]
+            edge_v = [0.0, 2.0, 0.0]
+            [measure]
+            grid = [5, 5]
+            "#,
+            side = 2.0 * half
+        );
+        Case::from_toml("mirror", &text).unwrap()
+    };
+    let case = room(2.0);
+    let straight = as_judged(&case).unwrap();
+    let oracle = etendue::oracle::optics::RoomLight::new(&case.configuration);
+    let grid = PixelGrid::of_receiver(&case.configuration, [40, 40]).unwrap();
+    let blank = Stack { width: 40, height: 40, values: vec![1.0; 1600], variance: None, is_half: false };
+    let outcome = judge_images(&straight, &grid, &blank, &terms());
+    let mut lit = 0;
+    for p in [0, 39, 417, 822, 1010, 1599] {
+        let point = MeasurementPoint::new(grid.middle(grid.place(p)), DVec3::Z).unwrap();
+        let due = oracle.at(&point).caustic.unwrap().value;
+        assert!((outcome.pixels[p].truth.middle - due).abs() < 1e-12, "pixel {p}");
+        // Pixels are small: their means are near to what is due in the middle, but not equal.
+        if outcome.pixels[p].truth.region.is_some() && due > 0.0 {
+            assert!((outcome.pixels[p].truth.irradiance / due - 1.0).abs() < 2e-3);
+            lit += 1;
+        }
+    }
+    assert!(lit >= 4, "{lit}");
+    let refused = as_judged(&room(0.6)).unwrap_err().to_string();
+    assert!(refused.contains("does not see all"), "{refused}");
+    assert!(as_judged(&Case::shipped("caustic/cup").unwrap()).is_err());
 }
 
 #[test]

@@ -16,6 +16,7 @@ use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 pub use error::ImageError;
+pub use pfm::pfm;
 
 /// Numbers of images that are held in memory at most: 256 MiB of them.
 pub const MOST_VALUES: usize = 1 << 25;

@@ -10,6 +10,15 @@ use super::{Sink, grey};
 /// No word of a header is longer.
 const LONGEST_WORD: usize = 32;
 
+/// A grey picture as a file of this kind, little-endian.
+///
+/// - `values`: as many as pixels, row by row from the lowest upwards; rounded to 32 bits
+pub fn pfm([width, height]: [usize; 2], values: &[f64]) -> Vec<u8> {
+    let mut bytes = format!("Pf\n{width} {height}\n-1.0\n").into_bytes();
+    bytes.extend(values.iter().flat_map(|value| (*value as f32).to_le_bytes()));
+    bytes
+}
+
 pub(super) fn read(path: &Path, reader: &mut dyn BufRead, length: u64, sink: &mut Sink) -> Result<(), ImageError> {
     let broken = |what: String| ImageError::Broken { path: path.to_owned(), what };
     let mut used = 0;

@@ -7,14 +7,17 @@
 //! - `path` with `max_depth` 2 is direct light. Everything but the receiver is black, on both sides;
 //! - the film keeps 32 bits (its default keeps 16) and a box filter of one pixel (its default, a Gaussian, mixes
 //!   neighbours: correlation +0.34);
+//! - a flat mirror is a `conductor` of no material, on both sides, with its reflectance at every angle; then `max_depth` is 3;
+//! - a rectangle of fields is a `bitmap` without a filter between texels, whose v begins at the top of the picture;
 //! - seeds are far apart: from neighbouring ones, pixels of the next image take up streams of the last.
 
 use std::fmt::Write;
 
 use glam::DVec3;
 
-use super::{Inexpressible, Order, Recipe, SEEDS, camera, grid, json, manifest, triangles};
+use super::{Inexpressible, Order, Recipe, SEEDS, camera, fields, grid, json, manifest, mirrors, triangles};
 use crate::configuration::Configuration;
+use crate::external::image::pfm;
 use crate::external::{Manifest, PixelGrid};
 use crate::geometry::{Frame, Rectangle, Shape};
 
@@ -30,23 +33,46 @@ pub fn mitsuba(configuration: &Configuration, name: &str, order: &Order) -> Resu
     let mut files = Vec::new();
     let mut scene = head(name, &receiver, height, &manifest);
     for (i, source) in configuration.sources().iter().enumerate() {
-        let radiance = manifest.radiance[i];
-        let emitter =
-            format!("        <emitter type=\"area\"><rgb name=\"radiance\" value=\"{radiance:?}\"/></emitter>\n");
-        shape(&mut scene, &mut files, source.shape(), &format!("source-{i}"), &emitter);
+        let (id, radiance) = (format!("source-{i}"), manifest.radiance[i]);
+        let radiance = match fields(source) {
+            None => format!("<rgb name=\"radiance\" value=\"{radiance:?}\"/>"),
+            Some(raster) => {
+                let grid = raster.grid();
+                // The file's rows go up, and the renderer's v begins at the top of a picture.
+                let rows = raster.values().chunks(grid.ns()).rev().flatten();
+                let values: Vec<f64> = rows.map(|m| m / std::f64::consts::PI).collect();
+                files.push((format!("{id}.pfm"), pfm([grid.ns(), grid.nt()], &values)));
+                format!(
+                    "<texture type=\"bitmap\" name=\"radiance\"><string name=\"filename\" value=\"{id}.pfm\"/>\
+                     <string name=\"filter_type\" value=\"nearest\"/><string name=\"wrap_mode\" value=\"clamp\"/>\
+                     <boolean name=\"raw\" value=\"true\"/></texture>"
+                )
+            }
+        };
+        let emitter = format!("        <emitter type=\"area\">{radiance}</emitter>\n");
+        shape(&mut scene, &mut files, source.shape(), &id, "black", &emitter);
     }
     for (i, occluder) in configuration.occluders().iter().enumerate() {
-        shape(&mut scene, &mut files, occluder, &format!("occluder-{i}"), "");
+        shape(&mut scene, &mut files, occluder, &format!("occluder-{i}"), "black", "");
+    }
+    for (i, (outline, reflectance)) in mirrors(configuration).iter().enumerate() {
+        let id = format!("mirror-{i}");
+        let _ = writeln!(
+            scene,
+            "    <bsdf type=\"twosided\" id=\"{id}-sides\"><bsdf type=\"conductor\"><string name=\"material\" value=\"none\"/>\
+             <rgb name=\"specular_reflectance\" value=\"{reflectance:?}\"/></bsdf></bsdf>"
+        );
+        shape(&mut scene, &mut files, outline, &id, &format!("{id}-sides"), "");
     }
     scene += "</scene>\n";
-    files.push(("scene.xml".to_owned(), scene));
-    files.push(("render.py".to_owned(), RENDER.to_owned()));
+    files.push(("scene.xml".to_owned(), scene.into_bytes()));
+    files.push(("render.py".to_owned(), RENDER.as_bytes().to_vec()));
     files.push(("manifest.json".to_owned(), json(&manifest)));
     Ok(Recipe { files, manifest: Some(manifest) })
 }
 
 fn head(name: &str, receiver: &Rectangle, height: f64, manifest: &Manifest) -> String {
-    let Manifest { pixels, rho, .. } = manifest;
+    let Manifest { pixels, rho, depth, .. } = manifest;
     let (u, v, normal) = (receiver.edge_u(), receiver.edge_v(), receiver.normal());
     // The film spans ±1 across and ±height/width upwards; scaled, it is the receiver.
     let upwards = v * (0.5 * pixels.width as f64 / pixels.height as f64);
@@ -63,7 +89,7 @@ fn head(name: &str, receiver: &Rectangle, height: f64, manifest: &Manifest) -> S
     <default name=\"spp\" value=\"{spp}\"/>
     <default name=\"sampler\" value=\"independent\"/>
     <default name=\"seed\" value=\"{seed}\"/>
-    <integrator type=\"path\"><integer name=\"max_depth\" value=\"2\"/></integrator>
+    <integrator type=\"path\"><integer name=\"max_depth\" value=\"{depth}\"/></integrator>
     <bsdf type=\"twosided\" id=\"black\"><bsdf type=\"diffuse\"><rgb name=\"reflectance\" value=\"0\"/></bsdf></bsdf>
     <sensor type=\"orthographic\">
         <transform name=\"to_world\"><matrix value=\"{camera}\"/></transform>
@@ -100,7 +126,14 @@ fn matrix([x, y, z, origin]: [DVec3; 4]) -> String {
     format!("{}  {}  {}  0 0 0 1", row(0), row(1), row(2))
 }
 
-fn shape(scene: &mut String, files: &mut Vec<(String, String)>, shape: &Shape, id: &str, emitter: &str) {
+fn shape(
+    scene: &mut String,
+    files: &mut Vec<(String, Vec<u8>)>,
+    shape: &Shape,
+    id: &str,
+    material: &str,
+    emitter: &str,
+) {
     let (kind, place) = match shape {
         Shape::Disk(disk) => {
             let frame = Frame::around(disk.normal());
@@ -126,7 +159,7 @@ fn shape(scene: &mut String, files: &mut Vec<(String, String)>, shape: &Shape, i
     // Writing into a text cannot fail.
     let _ = write!(
         scene,
-        "    <shape type=\"{kind}\" id=\"{id}\">\n{place}        <ref id=\"black\"/>\n{emitter}    </shape>\n"
+        "    <shape type=\"{kind}\" id=\"{id}\">\n{place}        <ref id=\"{material}\"/>\n{emitter}    </shape>\n"
     );
 }
 
@@ -138,7 +171,7 @@ fn mesh_file(id: &str) -> String {
     format!("        <string name=\"filename\" value=\"{id}.obj\"/><boolean name=\"face_normals\" value=\"true\"/>\n")
 }
 
-fn obj(vertices: &[DVec3], triangles: impl IntoIterator<Item = [usize; 3]>) -> String {
+fn obj(vertices: &[DVec3], triangles: impl IntoIterator<Item = [usize; 3]>) -> Vec<u8> {
     let mut text = String::new();
     for v in vertices {
         let _ = writeln!(text, "v {:?} {:?} {:?}", v.x, v.y, v.z);
@@ -146,5 +179,5 @@ fn obj(vertices: &[DVec3], triangles: impl IntoIterator<Item = [usize; 3]>) -> S
     for [a, b, c] in triangles {
         let _ = writeln!(text, "f {} {} {}", a + 1, b + 1, c + 1);
     }
-    text
+    text.into_bytes()
 }

@@ -11,9 +11,11 @@ use thiserror::Error;
 
 use super::manifest::{Manifest, Seeds};
 use super::pixels::PixelGrid;
-use crate::configuration::{Configuration, Lamp, ReceiverShape};
-use crate::geometry::{Frame, Polygon, Rectangle, Shape};
+use crate::configuration::{Configuration, Contents, GlassShape, Lamp, MirrorShape, ReceiverShape, Source};
+use crate::geometry::{Frame, Polygon, Rectangle, Shape, Sphere};
+use crate::radiometry::Beam;
 use crate::sampling::triangulated;
+use crate::texture::{Lookup, Raster};
 
 pub use mitsuba::mitsuba;
 pub use plain::plain;
@@ -30,7 +32,7 @@ pub struct Order {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recipe {
     /// In the order in which they are to be written; `manifest.json` is the last.
-    pub files: Vec<(String, String)>,
+    pub files: Vec<(String, Vec<u8>)>,
     /// `None` where the receiver is no rectangle, so that no image can be of it.
     pub manifest: Option<Manifest>,
 }
@@ -73,13 +75,27 @@ fn camera(configuration: &Configuration) -> Result<(Rectangle, f64), Vec<Inexpre
     Err(found)
 }
 
-/// What is more than shapes that shine evenly and shapes that stand in the way.
+/// A beam, a ball of glass and nothing else: what is told of caustics.
+fn beam_and_ball(configuration: &Configuration) -> Option<(&Beam, &Sphere, f64)> {
+    let Contents { sources, occluders, mirrors, diffuse, .. } = configuration.contents();
+    let alone = sources.is_empty() && occluders.is_empty() && mirrors.is_empty() && diffuse.is_empty();
+    match (alone.then_some(configuration.lamps())?, configuration.glass()) {
+        ([Lamp::Beam(beam)], [glass]) => match glass.shape() {
+            GlassShape::Sphere(ball) => Some((beam, ball, glass.ior())),
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
+/// What is more than shapes that shine evenly, or by fields, shapes that stand in the way, and a flat mirror.
 fn beyond_direct_light(configuration: &Configuration) -> Vec<Inexpressible> {
     let mut found = Vec::new();
     let thing = |what, index, why| Inexpressible::Thing { what, index, why };
     for (i, source) in configuration.contents().sources.iter().enumerate() {
-        if source.texture().is_some() {
-            found.push(thing("source", i, "an exitance that varies over the source is not exported"));
+        if source.texture().is_some() && fields(source).is_none() {
+            let why = "an exitance that varies over the source is exported of a rectangle with even texels only";
+            found.push(thing("source", i, why));
         }
     }
     for (i, lamp) in configuration.lamps().iter().enumerate() {
@@ -89,14 +105,40 @@ fn beyond_direct_light(configuration: &Configuration) -> Vec<Inexpressible> {
         };
         found.push(thing(what, i, "a lamp without area is not exported"));
     }
-    let unsupported = "only direct light is exported";
-    found.extend((0..configuration.mirrors().len()).map(|i| thing("mirror", i, unsupported)));
+    let unsupported = "only direct light, and light by one flat mirror, is exported";
+    let mirrors = configuration.mirrors();
+    let alone = mirrors.len() == 1;
+    let refused = (0..mirrors.len()).filter(|i| !alone || flat_mirror(mirrors[*i].shape()).is_none());
+    found.extend(refused.map(|i| thing("mirror", i, unsupported)));
     found.extend((0..configuration.glass().len()).map(|i| thing("glass", i, unsupported)));
     found.extend((0..configuration.diffuse().len()).map(|i| thing("diffuse surface", i, unsupported)));
     if configuration.contents().sources.is_empty() {
         found.push(Inexpressible::NoSource);
     }
     found
+}
+
+/// The exitances of a rectangle whose texels are even, W/m²: s along `edge_u`, t along `edge_v`, from the corner where both
+/// begin.
+fn fields(source: &Source) -> Option<&Raster> {
+    let texels = source.texture()?.texels().filter(|texels| texels.lookup() == Lookup::Nearest)?;
+    matches!(source.shape(), Shape::Rectangle(_)).then(|| texels.raster())
+}
+
+/// A mirror's outline, if it is flat.
+fn flat_mirror(shape: &MirrorShape) -> Option<Shape> {
+    match shape {
+        MirrorShape::Rectangle(s) => Some(Shape::Rectangle(*s)),
+        MirrorShape::Disk(s) => Some(Shape::Disk(*s)),
+        MirrorShape::Polygon(s) => Some(Shape::Polygon(s.clone())),
+        _ => None,
+    }
+}
+
+/// The flat mirrors: outline and reflectance.
+fn mirrors(configuration: &Configuration) -> Vec<(Shape, f64)> {
+    let mirrors = configuration.mirrors().iter();
+    mirrors.filter_map(|mirror| Some((flat_mirror(mirror.shape())?, mirror.reflectance()))).collect()
 }
 
 /// The receiver if it is a rectangle, else what it is.
@@ -116,9 +158,13 @@ fn camera_height(configuration: &Configuration, receiver: &Rectangle) -> Result<
     let sources = configuration.sources().iter().map(|source| source.shape());
     let shapes = sources.enumerate().map(|(i, shape)| ("source", i, shape));
     let occluders = configuration.occluders().iter().enumerate().map(|(i, shape)| ("occluder", i, shape));
+    let ball = beam_and_ball(configuration).map(|(_, ball, _)| Shape::Sphere(*ball));
+    let ball = ball.iter().map(|shape| ("glass", 0, shape));
+    let mirrors = mirrors(configuration);
+    let mirrors = mirrors.iter().enumerate().map(|(i, (shape, _))| ("mirror", i, shape));
     let size = receiver.edge_u().length().max(receiver.edge_v().length());
     let mut lowest = f64::INFINITY;
-    for (role, index, shape) in shapes.chain(occluders) {
+    for (role, index, shape) in shapes.chain(occluders).chain(mirrors).chain(ball) {
         let Some([low, high]) = heights_above(shape, receiver) else { continue };
         if high < -CLEARANCE * size {
             continue; // Wholly behind the receiver: in nobody's way.
@@ -205,7 +251,7 @@ fn manifest(configuration: &Configuration, name: &str, renderer: &str, pixels: P
         exitance,
         rho: reflectance(configuration),
         pixels,
-        depth: 2,
+        depth: Manifest::depth_of(configuration),
         filter: "box".to_owned(),
         first_sample_at_centre: false,
         component_format: "float32".to_owned(),
@@ -224,6 +270,6 @@ fn triangles(polygon: &Polygon) -> Vec<[usize; 3]> {
 }
 
 /// A file of plain data.
-fn json(value: &impl serde::Serialize) -> String {
-    serde_json::to_string_pretty(value).expect("plain data has a text") + "\n"
+fn json(value: &impl serde::Serialize) -> Vec<u8> {
+    (serde_json::to_string_pretty(value).expect("plain data has a text") + "\n").into_bytes()
 }

@@ -514,7 +514,7 @@ fn holds(body: &Body, eye: DVec3) -> bool {
 }
 
 /// A shape's mirror image, as something that blocks from both sides.
-fn image(shape: &Shape, origin: DVec3, normal: DVec3) -> Result<Shape, ShapeError> {
+pub(super) fn image(shape: &Shape, origin: DVec3, normal: DVec3) -> Result<Shape, ShapeError> {
     let direction = |v: DVec3| v - normal * (2.0 * normal.dot(v));
     let point = |p: DVec3| p - normal * (2.0 * normal.dot(p - origin));
     Ok(match shape {

@@ -6,6 +6,7 @@
 //! | irradiance behind a curved mirror, a ball, a lens, a slab; power in a ring or a rectangle | [`Caustic`] |
 //! | the pattern in a cup: a half cylinder that mirrors inwards | [`CylinderMirror`] |
 //! | an area source seen in a flat mirror, past occluders | [`MirrorOracle`] |
+//! | a room with a flat mirror that shows all, as a room without | [`unfolded`] |
 //! | two disks, two rectangles that light each other | [`CoaxialDisks`], [`FacingRectangles`] |
 //! | a bulb in a shell that scatters what it lets through | [`Lampshade`] |
 //! | a whole room: light by the way that it has come, as far as it is known | [`RoomLight`] |
@@ -47,6 +48,7 @@ mod room;
 mod shade;
 mod slab;
 mod spherical;
+mod unfold;
 
 #[cfg(test)]
 mod tests;
@@ -69,6 +71,7 @@ pub use mirror::{MirrorOracle, MirrorTruth, PlaneMirror};
 pub use rectangles::FacingRectangles;
 pub use room::{Arriving, RoomLight, Way};
 pub use shade::{power_by_lampshade, power_through_two_spheres};
+pub use unfold::unfolded;
 
 /// A number and what it is off by at most.
 ///

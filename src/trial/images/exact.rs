@@ -1,11 +1,14 @@
 //! The exact mean over every pixel's footprint, as good as the images' noise asks for.
 
+use std::f64::consts::{FRAC_PI_2, PI};
+
 use rayon::prelude::*;
 
-use crate::configuration::Configuration;
+use crate::configuration::{Configuration, GlassShape, Lamp, ReceiverShape};
 use crate::external::PixelGrid;
 use crate::external::image::Stack;
 use crate::geometry::{Rectangle, Shape};
+use crate::oracle::optics::CausticLayout;
 use crate::oracle::patch::{Footprint, Tolerance, footprint, footprint_average};
 use crate::oracle::{Oracle, Region};
 
@@ -110,6 +113,45 @@ pub(super) fn truths(
             )
         })
         .collect()
+}
+
+/// A beam through a ball of glass, if nothing else of its light lands on the receiver but what passed straight through, as long
+/// as paths end at the third surface: what the ball's outside mirrors lands beyond the receiver's corners.
+///
+/// ```text
+/// at the height b over the axis light is mirrored by π − 2θ, sin θ = b/R, and lands at b + (√(R² − b²) + d) tan(π − 2θ) on a
+/// screen at the distance d; the beam's rim lands nearest to the axis
+/// ```
+pub(super) fn caustic(configuration: &Configuration) -> Option<CausticLayout> {
+    let ([Lamp::Beam(beam)], [glass]) = (configuration.lamps(), configuration.glass()) else { return None };
+    let (GlassShape::Sphere(ball), ReceiverShape::Rectangle(screen)) =
+        (glass.shape(), configuration.receiver()?.shape())
+    else {
+        return None;
+    };
+    let layout = CausticLayout::of(configuration)?;
+    let (radius, rim) = (ball.radius(), beam.radius());
+    let reach = screen.corners().iter().map(|corner| (*corner - layout.foot()).length()).fold(0.0, f64::max);
+    let distance = (layout.foot() - ball.center()).length();
+    let turn = PI - 2.0 * (rim / radius).min(1.0).asin();
+    let nearest = rim + ((radius * radius - rim * rim).max(0.0).sqrt() + distance) * turn.tan();
+    (turn >= FRAC_PI_2 || reach < nearest).then_some(layout)
+}
+
+/// The exact means behind a ball: power over area.
+pub(super) fn behind_glass(layout: &CausticLayout, grid: &PixelGrid) -> Vec<PixelTruth> {
+    let pixel =
+        |p: usize| grid.footprint(grid.place(p)).expect("a grid's pixels are rectangles, or there is no grid");
+    let truth = |p: usize| {
+        let footprint = pixel(p);
+        let power = layout.power_in_rectangle(&footprint);
+        let [irradiance, bound] =
+            power.map_or([0.0, f64::INFINITY], |x| [x.value, x.bound].map(|x| x / footprint.area()));
+        // On the caustic itself there is no value.
+        let middle = layout.irradiance_at(footprint.center()).map_or(irradiance, |x| x.value);
+        PixelTruth { irradiance, bound, middle, unoccluded: irradiance, region: Some(Region::Lit), shifted: 0.0 }
+    };
+    (0..grid.n_pixels()).into_par_iter().map(truth).collect()
 }
 
 /// Of the exact point value, for all pixels that are crossed together, and for one of them. Where they do not do, the bound

@@ -15,6 +15,7 @@ mod evidence;
 mod exact;
 mod spread;
 
+use std::borrow::Cow;
 use std::time::Instant;
 
 use self::dependence::Dependence;
@@ -22,6 +23,7 @@ use super::outcome::JudgedProperty;
 use crate::case::{Case, SmallestBias};
 use crate::external::PixelGrid;
 use crate::external::image::Stack;
+use crate::oracle::optics::{OpticsError, unfolded};
 use crate::oracle::{Oracle, Region};
 use crate::statistics::Verdict;
 use crate::statistics::evidence::THRESHOLD_LOG10;
@@ -199,8 +201,21 @@ impl Data {
 /// Of sums of squares, relative: about the exact value they hold the bias, too.
 const ROUNDING: f64 = 1e-13;
 
+/// The case that images of a case are judged by: of a room with a flat mirror, the room [unfolded](unfolded), in which its light
+/// is direct; a beam through a ball of glass onto a screen that it alone lights remains what it is.
+///
+/// - error: why images of a room with mirrors or glass cannot be judged
+pub fn as_judged(case: &Case) -> Result<Cow<'_, Case>, OpticsError> {
+    if !case.configuration.has_optics() || exact::caustic(&case.configuration).is_some() {
+        return Ok(Cow::Borrowed(case));
+    }
+    let configuration = unfolded(&case.configuration)?;
+    Ok(Cow::Owned(Case { configuration, ..case.clone() }))
+}
+
 /// Judges images of a case.
 ///
+/// - `case`: [as it is judged](as_judged)
 /// - `grid`: the pixels, on the case's receiver
 /// - `stack`: of the same size, one image or more
 pub fn judge_images(case: &Case, grid: &PixelGrid, stack: &Stack, terms: &ImageTerms) -> ImagesOutcome {
@@ -209,7 +224,10 @@ pub fn judge_images(case: &Case, grid: &PixelGrid, stack: &Stack, terms: &ImageT
     let oracle = Oracle::new(&case.configuration);
     let ray_epsilon = terms.ray_epsilon.unwrap_or_else(|| usual_epsilon(grid));
     let noise = exact::Noise::of(stack, terms.irradiance_of_value);
-    let mut truths = exact::truths(&oracle, grid, ray_epsilon, &noise, exact::evaluations(&case.configuration));
+    let mut truths = match exact::caustic(&case.configuration) {
+        Some(layout) => exact::behind_glass(&layout, grid),
+        None => exact::truths(&oracle, grid, ray_epsilon, &noise, exact::evaluations(&case.configuration)),
+    };
     if terms.first_sample_at_centre {
         truths.iter_mut().for_each(|truth| truth.lean_on_the_middle(terms.samples_per_pixel));
     }

@@ -1,4 +1,4 @@
-"""Blender Cycles (PyPI: bpy), images of direct light: `max_bounces` 0.
+"""Blender Cycles (PyPI: bpy), images of direct light: `max_bounces` 0; 1 where there is a mirror, with reflective caustics.
 
 Units      an area light of W watts has radiance W / (pi area), a point light of radius r W / (4 pi^2 r^2); an emission shader's
            strength is the radiance. E = pi L / rho.
@@ -6,6 +6,7 @@ Images     bottom row first: turned over here. The first of N samples of a pixel
            `first_sample_at_centre`). Box filter, 32-bit EXR read as non-colour data.
 Seeds      the scene's `cycles.seed`.
 Settings   light (area: Cycles' own lights; mesh: surfaces that shine), pattern (TABULATED_SOBOL, BLUE_NOISE)
+Textures   on a mesh that shines, by an image texture with `Closest`; a mirror is a glossy surface of roughness 0
 Left at    adaptive sampling, denoising, clamping, light threshold: off
 """
 import math
@@ -48,6 +49,26 @@ def mesh(name, vertices, faces, stuff):
     bpy.context.scene.collection.objects.link(bpy.data.objects.new(name, made))
 
 
+def shining(name, source):
+    """Emission, of fields by a picture on the whole of the surface's UV map."""
+    values = protocol.fields(source)
+    if values is None:
+        return material(name, "ShaderNodeEmission", Color=grey(1.0), Strength=source["radiance"])
+    made = material(name, "ShaderNodeEmission", Strength=1.0)
+    rows, columns = values.shape
+    picture = bpy.data.images.new(name, columns, rows, float_buffer=True)
+    picture.colorspace_settings.name = "Non-Color"
+    picture.pixels.foreach_set(np.repeat(values[:, :, None], 4, axis=2).astype(np.float32).ravel())
+    picture.update()
+    picture.pack()
+    nodes = made.node_tree.nodes
+    texture = nodes.new("ShaderNodeTexImage")
+    texture.image, texture.interpolation, texture.extension = picture, "Closest", "EXTEND"
+    shader = next(node for node in nodes if node.type == "EMISSION")
+    made.node_tree.links.new(texture.outputs["Color"], shader.inputs["Color"])
+    return made
+
+
 def surface(name, given, stuff):
     if given["kind"] == "sphere":
         mesh(name, *ball.ball(given), stuff)
@@ -56,10 +77,15 @@ def surface(name, given, stuff):
     else:
         corners = protocol.outline(given, SIDES)
         mesh(name, corners, [range(len(corners))], stuff)
+        if "fields" in given:
+            data = bpy.data.objects[name].data
+            data.uv_layers.new().data.foreach_set("uv", [0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0, 1.0])
 
 
-def lamp(name, given):
+def lamp(name, given, bounces):
     kind, c = given["kind"], np.array(given["center"])
+    if "fields" in given:
+        raise protocol.Inexpressible("an area light whose radiance varies over it (a mesh that shines can have it)")
     made = bpy.data.lights.new(name, "POINT" if kind == "sphere" else "AREA")
     turned = np.eye(4)
     turned[:3, 3] = c
@@ -79,7 +105,7 @@ def lamp(name, given):
         turned[:3, 0], turned[:3, 1], turned[:3, 2] = u / a, -v / b, -n
     else:
         raise protocol.Inexpressible(f"an area light that is a {kind}")
-    made.cycles.max_bounces = 0
+    made.cycles.max_bounces = bounces
     held = bpy.data.objects.new(name, made)
     held.matrix_world = Matrix(turned.tolist())
     bpy.context.scene.collection.objects.link(held)
@@ -92,11 +118,14 @@ def build(job):
     black = material("black", "ShaderNodeBsdfDiffuse", Color=grey(0.0))
     for i, source in enumerate(job.sources):
         if job.get("light", "area") == "mesh":
-            surface(f"source{i}", source, material(f"glow{i}", "ShaderNodeEmission", Color=grey(1.0), Strength=source["radiance"]))
+            surface(f"source{i}", source, shining(f"glow{i}", source))
         else:
-            lamp(f"source{i}", source)
+            lamp(f"source{i}", source, 2 if job.mirrors else 0)
     for i, occluder in enumerate(job.occluders):
         surface(f"occluder{i}", occluder, black)
+    for i, mirror in enumerate(job.mirrors):
+        polished = material(f"polished{i}", "ShaderNodeBsdfAnisotropic", Color=grey(mirror["reflectance"]), Roughness=0.0)
+        surface(f"mirror{i}", mirror, polished)
     floor = {"kind": "rectangle", "center": [0, 0, 0], "edge_u": [2 * half_x, 0, 0], "edge_v": [0, 2 * half_y, 0]}
     surface("receiver", floor, material("grey", "ShaderNodeBsdfDiffuse", Color=grey(job.rho), Roughness=0.0))
     camera = bpy.data.cameras.new("eye")
@@ -124,7 +153,9 @@ def build(job):
     c.use_adaptive_sampling = c.use_denoising = c.caustics_reflective = c.caustics_refractive = False
     c.sample_clamp_direct = c.sample_clamp_indirect = c.light_sampling_threshold = 0.0
     c.pixel_filter_type, c.film_exposure = job.get("filter", "BOX"), 1.0
-    c.max_bounces = c.diffuse_bounces = c.glossy_bounces = c.transmission_bounces = 0
+    c.max_bounces = c.diffuse_bounces = c.glossy_bounces = c.transmission_bounces = job.depth - 2
+    if job.mirrors:
+        c.caustics_reflective, c.blur_glossy = True, 0.0
     return scene
 
 
@@ -144,4 +175,4 @@ def images(job):
         os.remove(path)
 
 
-protocol.main(f"Blender Cycles {bpy.app.version_string}", "E = pi L / rho", images=images)
+protocol.main(f"Blender Cycles {bpy.app.version_string}", "E = pi L / rho", images=images, knows=("mirrors", "fields"))

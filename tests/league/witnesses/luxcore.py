@@ -1,11 +1,14 @@
-"""LuxCore (PyPI: pyluxcore), images by PATHCPU with `path.pathdepth.total` 1: direct light.
+"""LuxCore (PyPI: pyluxcore), images by PATHCPU with `path.pathdepth.total` 1: direct light; 2 where there is a mirror.
 
 Units      `emission` with `gain` 1 and `power` 0 is the radiance; E = pi L / rho.
 Images     bottom row first: turned over here. The picture lies one pixel row off: pixel (x, y) shows the world at y + one pixel
            height (fitted on the control, as `row_shift`); the window is moved back by that row. `batch.haltspp` is a lower
            bound: a pixel takes that many samples or some more, so counts in the table are lower bounds, too.
 Seeds      `renderengine.seed`; images of one seed agree only as far as both took the same samples.
-Settings   sampler (RANDOM, SOBOL), row_shift (1; 0: as released), sides (256: corners of a disk of straight edges, of its area)
+Settings   sampler (RANDOM, SOBOL), row_shift (1; 0: as released), sides (256: corners of a disk of straight edges, of its area),
+Textures   `imagemap` of a file with filter `nearest`; a mirror is the material `mirror`, for which paths take three bounces: so that
+           no light comes back by the receiver, that is all but black there, and the image scaled back
+Not used   BIDIRCPU, LIGHTCPU: with an orthographic camera they do not agree on the control (pixels at the rim off by a tenth)
 """
 import os
 import sys
@@ -42,17 +45,31 @@ def build(job):
         "scene.camera.autovolume.enable": False,
         "scene.epsilon.min": 1e-5,
     }
-    for name, kd in (("grey", job.rho), ("black", 0.0)):
+    for name, kd in (("grey", reflectance(job)), ("black", 0.0)):
         table |= {f"scene.materials.{name}.type": "matte", f"scene.materials.{name}.kd": [kd] * 3}
     for i, source in enumerate(job.sources):
-        name = f"scene.materials.glow{i}"
-        table |= {f"{name}.type": "matte", f"{name}.kd": [0.0] * 3, f"{name}.emission": [source["radiance"]] * 3,
+        name, shining = f"scene.materials.glow{i}", [source["radiance"]] * 3
+        values = protocol.fields(source)
+        if values is not None:
+            shining, (rows, columns) = f"fields{i}", values.shape
+            # The format's rows go up; where v is 0 is its top (as the textured case shows). The filter counts for files only.
+            picture = os.path.join(job.folder, f"fields{i}.pfm")
+            with open(picture, "wb") as file:
+                file.write(f"PF\n{columns} {rows}\n-1.0\n".encode() + np.repeat(values[::-1, :, None], 3, axis=2).astype("<f4").tobytes())
+            table |= {f"scene.textures.fields{i}.type": "imagemap", f"scene.textures.fields{i}.file": picture,
+                      f"scene.textures.fields{i}.gamma": 1.0, f"scene.textures.fields{i}.filter": "nearest"}
+        table |= {f"{name}.type": "matte", f"{name}.kd": [0.0] * 3, f"{name}.emission": shining,
                   f"{name}.emission.gain": [1.0] * 3, f"{name}.emission.power": 0.0, f"{name}.emission.theta": 90.0}
+    for i, mirror in enumerate(job.mirrors):
+        table |= {f"scene.materials.polished{i}.type": "mirror", f"scene.materials.polished{i}.kr": [mirror["reflectance"]] * 3}
     scene.Parse(properties(table))
     # Beyond the window, so that a row that is off still sees it.
     wide = 20.0
     floor = {"kind": "rectangle", "center": [0, 0, 0], "edge_u": [2 * wide, 0, 0], "edge_v": [0, 2 * wide, 0]}
+    if job.mirrors:
+        floor["edge_u"], floor["edge_v"] = [2 * half_x, 0, 0], [0, 2 * half_y, 0]  # nothing of it may lie behind the mirror
     parts = [("receiver", floor, "grey")] + [(f"source{i}", s, f"glow{i}") for i, s in enumerate(job.sources)]
+    parts += [(f"mirror{i}", m, f"polished{i}") for i, m in enumerate(job.mirrors)]
     for name, given, stuff in parts + [(f"occluder{i}", o, "black") for i, o in enumerate(job.occluders)]:
         if given["kind"] == "sphere":
             if stuff != "black":
@@ -62,12 +79,19 @@ def build(job):
         else:
             vertices, triangles = protocol.triangles(given, job.get("sides", 256))
         points = [tuple(map(float, v)) for v in vertices]
-        scene.DefineMesh(name + "_mesh", points, [tuple(map(int, t)) for t in triangles], None, None, None, None)
+        uv = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)] if "fields" in given else None
+        scene.DefineMesh(name + "_mesh", points, [tuple(map(int, t)) for t in triangles], None, uv, None, None)
         scene.Parse(properties({f"scene.objects.{name}.shape": name + "_mesh", f"scene.objects.{name}.material": stuff}))
     return scene
 
 
+def reflectance(job):
+    """Of the receiver. Where it might light itself by the mirror, so little that this is below a millionth."""
+    return 1e-6 if job.mirrors else job.rho
+
+
 def settings(job, seed):
+    bounces = 3 if job.mirrors else 1
     return properties({
         "renderengine.type": "PATHCPU",
         "renderengine.seed": int(seed),
@@ -85,10 +109,10 @@ def settings(job, seed):
         "film.outputs.0.type": "RGB",
         "film.outputs.0.filename": "unused.exr",
         "film.imagepipelines.0.0.type": "NOP",
-        "path.pathdepth.total": 1,
-        "path.pathdepth.diffuse": 1,
-        "path.pathdepth.glossy": 1,
-        "path.pathdepth.specular": 1,
+        "path.pathdepth.total": bounces,
+        "path.pathdepth.diffuse": bounces,
+        "path.pathdepth.glossy": bounces,
+        "path.pathdepth.specular": bounces,
         "path.clamping.variance.maxvalue": 0.0,
         "path.russianroulette.depth": 100,
         "path.hybridbackforward.enable": False,
@@ -115,8 +139,8 @@ def images(job):
         pixels = np.zeros(job.width * job.height * 3, np.float32)
         session.GetFilm().GetOutputFloat(lux.FilmOutputType.RGB, pixels, 0, True)
         session.Stop()
-        yield pixels.reshape(job.height, job.width, 3)[::-1, :, 0]
+        yield pixels.reshape(job.height, job.width, 3)[::-1, :, 0] * (job.rho / reflectance(job))
     job.notes.append(f"{min(passes)} to {max(passes)} samples a pixel")
 
 
-protocol.main(lambda: f"LuxCore {lux.Version()}", "E = pi L / rho", images=images)
+protocol.main(lambda: f"LuxCore {lux.Version()}", "E = pi L / rho", images=images, knows=("mirrors", "fields"))

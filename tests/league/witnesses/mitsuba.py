@@ -1,9 +1,13 @@
-"""Mitsuba 3 (PyPI: mitsuba), images by `path` with max_depth 2: direct light.
+"""Mitsuba 3 (PyPI: mitsuba), images by `path` with max_depth 2: direct light; 3 where there is a mirror.
 
 Units      emitters have radiance L; a pixel is radiance, E = pi L / rho.
 Images     first row on top, first column left, as the league has them: no flags. Box filter, 32 bits.
 Seeds      `mi.render(seed=...)`; neighbouring seeds share streams in the scalar variants, ours are 100003 apart.
-Settings   sampler (independent, multijitter, stratified, ldsampler, orthogonal), variant, rfilter (box)
+Settings   sampler (independent, multijitter, stratified, ldsampler, orthogonal), variant, rfilter (box), integrator (path;
+           ptracer: light is traced, seen by a perspective camera square on, whose pixels lie as evenly on the receiver, for it
+           has none that it could connect to an orthographic one)
+Textures   `bitmap`, nearest texel, raw; a mirror is a `conductor` of no material; a beam is a disk with `directionalarea`, whose
+           radiance is the beam's irradiance (as the control shows)
 """
 import os
 import sys
@@ -41,15 +45,30 @@ def shape(job, given, name):
     return {"type": "obj", "filename": path, "face_normals": True}
 
 
+def radiance(source):
+    values = protocol.fields(source)
+    if values is None:
+        return {"type": "rgb", "value": source["radiance"]}
+    # Its first row is where v is 0 (as the textured case shows).
+    picture = mi.Bitmap(np.ascontiguousarray(values[:, :, None], np.float32))
+    return {"type": "bitmap", "bitmap": picture, "filter_type": "nearest", "wrap_mode": "clamp", "raw": True}
+
+
 def images(job):
     mi.set_variant(job.get("variant", "scalar_rgb"))
     centre, u, v, n, height = job.camera()
+    if job.get("integrator", "path") == "ptracer":
+        a, b = np.linalg.norm(u), np.linalg.norm(v)
+        sensor = {"type": "perspective", "to_world": placed(-u / a, v / b, -n, centre + height * n), "fov_axis": "x",
+                  "fov": float(np.degrees(2 * np.arctan(a / height)))}
+    else:
+        sensor = {"type": "orthographic", "to_world": placed(-u, v, -n, centre + height * n)}
     black = {"type": "twosided", "bsdf": {"type": "diffuse", "reflectance": {"type": "rgb", "value": 0.0}}}
     scene = {
         "type": "scene",
-        "integrator": {"type": "path", "max_depth": 2},
+        "integrator": {"type": job.get("integrator", "path"), "max_depth": job.depth},
         "sensor": {
-            "type": "orthographic", "to_world": placed(-u, v, -n, centre + height * n),
+            **sensor,
             "near_clip": height / 1000, "far_clip": 2 * height,
             "sampler": {"type": job.get("sampler", "independent"), "sample_count": job.samples},
             "film": {"type": "hdrfilm", "width": job.width, "height": job.height, "pixel_format": "rgb",
@@ -59,10 +78,19 @@ def images(job):
                      "bsdf": {"type": "diffuse", "reflectance": {"type": "rgb", "value": job.rho}}},
     }
     for i, source in enumerate(job.sources):
-        light = {"type": "area", "radiance": {"type": "rgb", "value": source["radiance"]}}
+        light = {"type": "area", "radiance": radiance(source)}
         scene[f"source{i}"] = {**shape(job, source, f"source{i}"), "bsdf": black, "emitter": light}
     for i, occluder in enumerate(job.occluders):
         scene[f"occluder{i}"] = {**shape(job, occluder, f"occluder{i}"), "bsdf": black}
+    for i, mirror in enumerate(job.mirrors):
+        sides = {"type": "conductor", "material": "none", "specular_reflectance": {"type": "rgb", "value": mirror["reflectance"]}}
+        scene[f"mirror{i}"] = {**shape(job, mirror, f"mirror{i}"), "bsdf": {"type": "twosided", "bsdf": sides}}
+    for i, beam in enumerate(job.beams):
+        given = {"kind": "disk", "center": beam["center"], "normal": beam["direction"], "radius": beam["radius"]}
+        light = {"type": "directionalarea", "radiance": {"type": "rgb", "value": beam["irradiance"]}}
+        scene[f"beam{i}"] = {**shape(job, given, f"beam{i}"), "bsdf": black, "emitter": light}
+    for i, ball in enumerate(job.glass):
+        scene[f"glass{i}"] = {**shape(job, ball, f"glass{i}"), "bsdf": {"type": "dielectric", "int_ior": ball["index"], "ext_ior": 1.0}}
     loaded = mi.load_dict(scene)
     count = loaded.sensors()[0].sampler().sample_count()
     if count != job.samples:
@@ -71,4 +99,4 @@ def images(job):
         yield np.array(mi.render(loaded, seed=job.seed(k), spp=job.samples))[..., 0]
 
 
-protocol.main(lambda: f"Mitsuba {mi.__version__}", "E = pi L / rho", images=images)
+protocol.main(lambda: f"Mitsuba {mi.__version__}", "E = pi L / rho", images=images, knows=("mirrors", "fields", "glass"))

@@ -1,11 +1,13 @@
 """Radiance (PyPI: pyradiance, whose wheel carries the programs), irradiance at points by `rtrace -I`.
 
 Units      `light` has radiance L; the value printed is the irradiance: factor 1. Lights count on their front only.
-Seeds      none: a run repeats itself. Replicates are copies of the list of points in one input; other seeds lie further
+Seeds      none that one could give: the stream begins with the clock (runs within a second repeat each other, later ones do not).
+           Replicates are copies of the list of points in one input; those of later runs and of other seed sets lie further
            down the same stream, which is run through and thrown away. `-u+`: values are independent of one another.
 Settings   options (of rtrace), disk (ring: the program's own; strips: rectangles of the same total area; polygon: a
            64-gon of the same area), raise (metres added to the points: -1e-4 undoes what the program adds), average
            (values averaged for one replicate)
+Textures   a rectangle's fields by `brightfunc`
 Efforts    `-ds` from the list of efforts, 1/effort, for settings without jitter
 """
 import math
@@ -60,10 +62,26 @@ def shape(job, given, material, name, light):
     return "".join(polygon(material, f"{name}_{i}", vertices[t]) for i, t in enumerate(triangles))
 
 
+def pattern(job, source, i):
+    """The name of what modifies the light, after its definition: fields of a rectangle, by the place on it."""
+    values = protocol.fields(source)
+    if values is None:
+        return "", "void"
+    u, v = np.array(source["edge_u"]), np.array(source["edge_v"])
+    corner, (rows, columns) = np.array(source["center"]) - u / 2 - v / 2, values.shape
+    along = lambda e: " + ".join(f"(P{x} - ({corner[k]:.17g})) * ({e[k] / (e @ e):.17g})" for k, x in enumerate("xyz"))
+    place = lambda name, n, e: f"{name}raw = floor({n} * ({along(e)}));\n{name} = if({name}raw - {n} + 0.5, {n - 1}, if({name}raw + 0.5, {name}raw, 0));\n"
+    shares = ", ".join("%.12g" % x for x in (values / source["radiance"]).ravel())
+    with open(os.path.join(job.folder, f"fields{i}.cal"), "w") as file:
+        file.write(place("column", columns, u) + place("line", rows, v) + f"share = select(line * {columns} + column + 1, {shares});\n")
+    return f"void brightfunc fields{i}\n2 share {os.path.join(job.folder, f'fields{i}.cal')}\n0\n0\n", f"fields{i}"
+
+
 def octree(job):
     text = "void plastic black\n0\n0\n5 0 0 0 0 0\n"
     for i, source in enumerate(job.sources):
-        text += f"void light lum{i}\n0\n0\n3 {' '.join(['%.12g' % source['radiance']] * 3)}\n"
+        told, modifier = pattern(job, source, i)
+        text += told + f"{modifier} light lum{i}\n0\n0\n3 {' '.join(['%.12g' % source['radiance']] * 3)}\n"
         text += shape(job, source, f"lum{i}", f"source{i}", True)
     for i, occluder in enumerate(job.occluders):
         text += shape(job, occluder, "black", f"occluder{i}", False)
@@ -102,4 +120,4 @@ def version():
     return f"{' '.join(said.split()[:2])} (pyradiance {pyradiance.__version__})"
 
 
-protocol.main(version, "E = the value printed", points=points, efforts=efforts)
+protocol.main(version, "E = the value printed", points=points, efforts=efforts, knows=("fields",))
