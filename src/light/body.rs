@@ -3,7 +3,7 @@
 //! Whether a ray is inside is known, not asked of its coordinates: from outside it can only enter, and not the body that it
 //! has just left; from inside it can only leave, and always does.
 
-use super::face::ball;
+use super::face::{ball, ball_ahead};
 use crate::configuration::GlassShape;
 use crate::geometry::DVec3;
 
@@ -76,7 +76,7 @@ impl Body {
     pub fn enter(&self, from: DVec3, direction: DVec3) -> Option<(f64, Part)> {
         match self {
             Body::Ball { center, radius } => {
-                let [near, _] = ball(from - *center, direction, *radius, false);
+                let near = ball_ahead(from - *center, direction, *radius)?;
                 (near > 0.0).then_some((near, 0))
             }
             Body::Box { center, normals, halves } => {

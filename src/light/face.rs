@@ -148,9 +148,12 @@ impl Face {
                 })
             }
             Face::Ball { center, radius } => {
+                if sides == Sides::Front {
+                    let ahead = if starts_here { None } else { ball_ahead(from - *center, direction, *radius) };
+                    return ahead.filter(|t| *t > 0.0);
+                }
                 let roots = ball(from - *center, direction, *radius, starts_here);
-                let counted = if sides == Sides::Front { &roots[..1] } else { &roots[..] };
-                counted.iter().copied().find(|t| *t > 0.0)
+                roots.into_iter().find(|t| *t > 0.0)
             }
             Face::Cap { center, radius, axis, height } => {
                 let offset = from - *center;
@@ -176,6 +179,26 @@ impl Face {
                     quadratic(way.length_squared(), across.dot(way) - 0.5 * four_f * rise, constant, starts_here);
                 roots.into_iter().find(|t| *t > 0.0 && z + rise * *t <= *depth)
             }
+        }
+    }
+
+    /// Whether it lies outside of a ball for sure, its rim not counted: no line meets it within the ball, to rounding.
+    pub fn is_clear_of(&self, middle: DVec3, reach: f64) -> bool {
+        let reach = reach * (1.0 + 1e-6);
+        let beyond = |point: DVec3, normal: DVec3| (middle - point).dot(normal).abs() > reach;
+        match self {
+            Face::Parallelogram { center, normal, .. } | Face::Disk { center, normal, .. } => {
+                beyond(*center, *normal)
+            }
+            Face::Polygon { anchor, frame, .. } => beyond(*anchor, frame.normal),
+            Face::Ball { center, radius } | Face::Cap { center, radius, .. } => {
+                ((middle - *center).length() - radius).abs() > reach
+            }
+            Face::Wall { center, axis, radius, .. } => {
+                let offset = middle - *center;
+                ((offset - *axis * offset.dot(*axis)).length() - radius).abs() > reach
+            }
+            Face::Dish { .. } => false,
         }
     }
 
@@ -238,6 +261,18 @@ pub(super) fn ball(offset: DVec3, direction: DVec3, radius: f64, starts_here: bo
     let outside = (distance - radius) * (distance + radius);
     // The root of the larger size by a sum, the other by the product of both.
     if middle > 0.0 { [outside / (middle + half), middle + half] } else { [middle - half, outside / (middle - half)] }
+}
+
+/// The nearer of [`ball`] for a ray that starts elsewhere; `None` where it is not ahead.
+#[inline]
+pub(super) fn ball_ahead(offset: DVec3, direction: DVec3, radius: f64) -> Option<f64> {
+    let middle = -offset.dot(direction);
+    let half_squared = radius * radius - (offset + direction * middle).length_squared();
+    if !(middle > 0.0 && half_squared > 0.0) {
+        return None;
+    }
+    let (distance, half) = (offset.length(), half_squared.sqrt());
+    Some((distance - radius) * (distance + radius) / (middle + half))
 }
 
 /// Both roots of a t² + 2 b t + c, the smaller first; not numbers above nought where there is none.

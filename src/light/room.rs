@@ -2,6 +2,7 @@
 
 use super::body::{Body, Part};
 use super::face::{Face, Sides};
+use super::interface::Media;
 use crate::configuration::{Configuration, MirrorShape, ReceiverShape};
 use crate::geometry::{DVec3, Shape};
 use crate::scene::Hierarchy;
@@ -49,6 +50,10 @@ pub(crate) enum Met {
 struct Piece {
     body: Body,
     ior: f64,
+    /// From outside to inside, and back.
+    media: [Media; 2],
+    /// The surfaces that may lie inside, in their order.
+    within: Vec<usize>,
 }
 
 /// A configuration, prepared for rays from the light.
@@ -108,8 +113,14 @@ impl Room {
                 of_source.push(index);
             }
         }
-        let glass =
-            room.glass.iter().map(|glass| Piece { body: Body::new(glass.shape()), ior: glass.ior() }).collect();
+        let glass = room.glass.iter().map(|glass| {
+            let (ior, (center, radius)) = (glass.ior(), glass.shape().bounding_sphere());
+            let may_be_within = |surface: &Surface| !surface.face.is_clear_of(center, radius);
+            let within = (0..surfaces.len()).filter(|k| may_be_within(&surfaces[*k])).collect();
+            let media = [Media::new(1.0, ior), Media::new(ior, 1.0)];
+            Piece { body: Body::new(glass.shape()), ior, media, within }
+        });
+        let glass = glass.collect();
         let bounds = bounds(configuration);
         let meshes = room.occluders.iter().filter_map(|shape| match shape {
             Shape::Mesh(mesh) => Some(Hierarchy::new(mesh, bounds)),
@@ -144,6 +155,11 @@ impl Room {
     pub fn ior(&self, glass: usize) -> f64 {
         self.glass[glass].ior
     }
+    /// The media at its faces, as a ray comes through them from outside or, as it `leaves`, from inside.
+    #[inline]
+    pub fn media(&self, glass: usize, leaves: bool) -> &Media {
+        &self.glass[glass].media[usize::from(leaves)]
+    }
     /// Surfaces without thickness; those of sources come first, in their order.
     pub fn n_surfaces(&self) -> usize {
         self.surfaces.len()
@@ -168,14 +184,25 @@ impl Room {
     #[inline]
     pub fn nearest(&self, from: DVec3, direction: DVec3, start: Start, medium: Option<usize>) -> (f64, Met) {
         let mut found = (f64::INFINITY, Met::Nothing);
+        let ask = |index: usize, found: &mut (f64, Met)| {
+            let surface = &self.surfaces[index];
+            let starts_here = start == Start::Face(index);
+            if let Some(distance) = surface.face.meet(from, direction, starts_here, surface.sides)
+                && distance < found.0
+            {
+                *found = (distance, Met::Face(index));
+            }
+        };
         match medium {
             Some(glass) => {
                 let left = match start {
                     Start::Glass(index, part) if index == glass => Some(part),
                     _ => None,
                 };
-                let (distance, part) = self.glass[glass].body.leave(from, direction, left);
+                let piece = &self.glass[glass];
+                let (distance, part) = piece.body.leave(from, direction, left);
                 found = (distance, Met::Glass(glass, part));
+                piece.within.iter().for_each(|index| ask(*index, &mut found));
             }
             None => {
                 for (glass, piece) in self.glass.iter().enumerate() {
@@ -188,14 +215,7 @@ impl Room {
                         found = (distance, Met::Glass(glass, part));
                     }
                 }
-            }
-        }
-        for (index, surface) in self.surfaces.iter().enumerate() {
-            let starts_here = start == Start::Face(index);
-            if let Some(distance) = surface.face.meet(from, direction, starts_here, surface.sides)
-                && distance < found.0
-            {
-                found = (distance, Met::Face(index));
+                (0..self.surfaces.len()).for_each(|index| ask(index, &mut found));
             }
         }
         if !self.meshes.is_empty() {

@@ -3,13 +3,11 @@
 //! The rays of a group share their place on the source, and the branches of a ray share its fate: so what falls into one
 //! cell is added up over a group before it is squared.
 
-use smallvec::SmallVec;
-
 use super::ledger::{Moments, Sum};
 
 /// The cells that one group has touched, each once.
 #[derive(Clone, Debug, Default)]
-struct Touched(SmallVec<[(u32, f64); 32]>);
+struct Touched(Vec<(u32, f64)>);
 
 impl Touched {
     #[inline]
@@ -36,10 +34,12 @@ impl Dense {
     pub fn add(&mut self, cell: usize, flux: f64) {
         self.touched.add(cell as u32, flux);
     }
+    #[inline]
     fn settle(&mut self) {
-        for (cell, flux) in self.touched.0.drain(..) {
-            self.cells[cell as usize].add(flux);
+        for (cell, flux) in &self.touched.0 {
+            self.cells[*cell as usize].add(*flux);
         }
+        self.touched.0.clear();
     }
     pub fn merge(&mut self, other: &Dense) {
         self.cells.iter_mut().zip(&other.cells).for_each(|(cell, other)| cell.merge(other));
@@ -104,10 +104,12 @@ impl Tally {
     }
 
     /// Closes a group of rays.
+    #[inline]
     pub fn settle(&mut self) {
         self.groups += 1;
         self.deposited.add(std::mem::take(&mut self.in_group));
-        self.texels.extend(self.touched.0.drain(..));
+        self.texels.extend_from_slice(&self.touched.0);
+        self.touched.0.clear();
         self.orders.settle();
         self.rings.settle();
         self.tiles.settle();

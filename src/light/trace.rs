@@ -185,7 +185,7 @@ impl LightTracer {
         for _ in 0..groups {
             self.pick(&mut draws).send(&self.room, flux, &mut draws, &mut group);
             for ray in &group.rays {
-                tracer.follow(*ray, &mut branches, &mut draws, &mut tally);
+                tracer.follow(ray, &mut branches, &mut draws, &mut tally);
             }
             tally.settle();
         }

@@ -91,9 +91,9 @@ impl<W: Weighing> Walker<'_, W> {
             let direction = cosine_direction(place.normal, draws);
             let mut ray = Ray::new(place.at, direction, place.start, place.medium, 1.0);
             let end = loop {
-                match tracer.advance(ray, f64::INFINITY, branches, draws, tally) {
-                    Ok(Some(next)) => ray = next,
-                    Ok(None) => return found,
+                match tracer.advance(&mut ray, f64::INFINITY, branches, draws, tally) {
+                    Ok(true) => {}
+                    Ok(false) => return found,
                     Err(end) => break end,
                 }
             };
