@@ -72,7 +72,7 @@ impl Body {
     }
 
     /// Where a ray from outside enters: metres along it, greater than nought, and the face.
-    #[inline]
+    #[inline(always)]
     pub fn enter(&self, from: DVec3, direction: DVec3) -> Option<(f64, Part)> {
         match self {
             Body::Ball { center, radius } => {
@@ -125,7 +125,7 @@ impl Body {
     /// Where a ray from inside leaves: metres along it, at least nought, and the face.
     ///
     /// - `left`: the face that it starts on, if it starts on one
-    #[inline]
+    #[inline(always)]
     pub fn leave(&self, from: DVec3, direction: DVec3, left: Option<Part>) -> (f64, Part) {
         // Rounding may put a starting point a hair outside: then the ray leaves at once.
         let far = |offset: DVec3, radius: f64| {
@@ -170,7 +170,7 @@ impl Body {
     }
 
     /// The outward unit normal of a face at a point of it.
-    #[inline]
+    #[inline(always)]
     pub fn normal(&self, part: Part, at: DVec3) -> DVec3 {
         match self {
             Body::Ball { center, .. } => (at - *center).normalize(),

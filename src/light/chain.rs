@@ -42,13 +42,13 @@ impl Ray {
         let (s, p) = (0.5 * flux, 0.5 * flux);
         Ray { from, direction, start, medium, s, p, plane: DVec3::ZERO, plane_squared: 0.0, order: 0 }
     }
-    #[inline]
+    #[inline(always)]
     pub fn flux(&self) -> f64 {
         self.s + self.p
     }
 
     /// Tells s and p for the plane of incidence at a face: the same as before if the plane is, else unpolarised.
-    #[inline]
+    #[inline(always)]
     fn turn(&mut self, normal: DVec3, tally: &mut Tally) {
         let across = self.direction.cross(normal);
         let squared = across.length_squared();
@@ -70,7 +70,7 @@ impl Ray {
 }
 
 /// Whether two planes count as one, by their normals and the squares of their lengths.
-#[inline]
+#[inline(always)]
 fn is_same_plane(a: DVec3, a_squared: f64, b: DVec3, b_squared: f64) -> bool {
     // Without a root where rounding cannot matter.
     let (sine, one) = (a.cross(b).length_squared(), a_squared * b_squared);
@@ -112,6 +112,7 @@ impl<'a> Tracer<'a> {
     /// Follows a ray and its branches to their ends, and books all of its flux.
     ///
     /// - `branches`: scratch, empty before and after
+    #[inline(always)]
     pub fn follow(&self, ray: &Ray, branches: &mut Vec<Ray>, draws: &mut Draws, tally: &mut Tally) {
         let faint = ray.flux() * FAINT;
         tally.rays += 1;
@@ -127,7 +128,7 @@ impl<'a> Tracer<'a> {
     }
 
     /// To the next meeting, and whether the ray goes on from there; what ends is booked.
-    #[inline]
+    #[inline(always)]
     fn step(&self, ray: &mut Ray, faint: f64, branches: &mut Vec<Ray>, draws: &mut Draws, tally: &mut Tally) -> bool {
         match self.advance(ray, faint, branches, draws, tally) {
             Ok(goes_on) => return goes_on,
@@ -161,7 +162,7 @@ impl<'a> Tracer<'a> {
 
     /// To the next meeting: whether the ray goes on by mirror or glass (not from a black mirror), or where it ends, and
     /// then it is left as it came.
-    #[inline]
+    #[inline(always)]
     pub fn advance(
         &self,
         ray: &mut Ray,
@@ -202,6 +203,7 @@ impl<'a> Tracer<'a> {
         }
     }
 
+    #[inline(always)]
     fn land(&self, ray: &Ray, map: usize, at: DVec3, tally: &mut Tally) {
         let flux = ray.flux();
         tally.deposit(self.landings[map].cell(at, ray.order > 0), flux);
@@ -220,6 +222,7 @@ impl<'a> Tracer<'a> {
     }
 
     /// Whether anything is sent on.
+    #[inline(always)]
     fn mirror(&self, ray: &mut Ray, surface: usize, at: DVec3, reflectance: f64, tally: &mut Tally) -> bool {
         let normal = self.room.normal(surface, at);
         let (s, p) = (ray.s * reflectance, ray.p * reflectance);
@@ -241,7 +244,7 @@ impl<'a> Tracer<'a> {
     ///
     /// - `through`: the medium behind the face
     #[expect(clippy::too_many_arguments, reason = "all that a face has to do with")]
-    #[inline]
+    #[inline(always)]
     fn split(
         &self,
         ray: &mut Ray,
@@ -278,7 +281,7 @@ impl<'a> Tracer<'a> {
 }
 
 /// A direction of a surface element, weighed by the cosine: a uniform point of the unit disk, lifted onto the hemisphere.
-#[inline]
+#[inline(always)]
 pub(crate) fn cosine_direction(normal: DVec3, draws: &mut Draws) -> DVec3 {
     let frame = Frame::around(normal);
     let (x, y) = draws.disk();
@@ -290,6 +293,7 @@ pub(crate) fn cosine_direction(normal: DVec3, draws: &mut Draws) -> DVec3 {
 /// albedo (its outside sends nothing back), diffusely; else nowhere.
 ///
 /// - `outward`: unit normal
+#[inline(always)]
 pub(crate) fn scattered(
     direction: DVec3,
     outward: DVec3,

@@ -129,7 +129,7 @@ impl Face {
     /// Where a ray meets the surface first, metres along it, greater than nought.
     ///
     /// - `direction`: unit vector; `starts_here`: whether `from` is a point of this surface
-    #[inline]
+    #[inline(always)]
     pub fn meet(&self, from: DVec3, direction: DVec3, starts_here: bool, sides: Sides) -> Option<f64> {
         match self {
             Face::Parallelogram { center, normal, dual_u, dual_v } => {
@@ -203,7 +203,7 @@ impl Face {
     }
 
     /// The unit normal at a point of the surface: of a ball, cap and wall outwards; of a dish on its hollow side.
-    #[inline]
+    #[inline(always)]
     pub fn normal(&self, at: DVec3) -> DVec3 {
         match self {
             Face::Parallelogram { normal, .. } | Face::Disk { normal, .. } => *normal,
@@ -223,7 +223,7 @@ impl Face {
     }
 }
 
-#[inline]
+#[inline(always)]
 fn flat(
     offset: DVec3,
     direction: DVec3,
@@ -245,7 +245,7 @@ fn flat(
 ///
 /// Half of the chord is the root of R² less the squared distance of the line from the centre, which keeps its digits for
 /// a small or far sphere (Haines et al., *Ray Tracing Gems*, 2019, chapter 7).
-#[inline]
+#[inline(always)]
 pub(super) fn ball(offset: DVec3, direction: DVec3, radius: f64, starts_here: bool) -> [f64; 2] {
     let middle = -offset.dot(direction);
     if starts_here {
@@ -264,7 +264,7 @@ pub(super) fn ball(offset: DVec3, direction: DVec3, radius: f64, starts_here: bo
 }
 
 /// The nearer of [`ball`] for a ray that starts elsewhere; `None` where it is not ahead.
-#[inline]
+#[inline(always)]
 pub(super) fn ball_ahead(offset: DVec3, direction: DVec3, radius: f64) -> Option<f64> {
     let middle = -offset.dot(direction);
     let half_squared = radius * radius - (offset + direction * middle).length_squared();
@@ -276,7 +276,7 @@ pub(super) fn ball_ahead(offset: DVec3, direction: DVec3, radius: f64) -> Option
 }
 
 /// Both roots of a t² + 2 b t + c, the smaller first; not numbers above nought where there is none.
-#[inline]
+#[inline(always)]
 fn quadratic(a: f64, b: f64, c: f64, starts_here: bool) -> [f64; 2] {
     if starts_here {
         // Infinite or NaN along an axis that meets the surface once: no meeting, for both.

@@ -28,7 +28,7 @@ impl Interface {
     /// - `from`, `into`: indices of refraction of this side and the other, finite, > 0
     /// - error: shares absolute, some 2⁻⁵³; directions likewise, over t near total reflection
     /// - source: Fresnel's equations; Born & Wolf, *Principles of Optics*, 1.5.2
-    #[inline]
+    #[inline(always)]
     pub fn meet(direction: DVec3, normal: DVec3, from: f64, into: f64) -> Interface {
         Media::new(from, into).meet(direction, normal)
     }
@@ -51,7 +51,7 @@ impl Media {
     }
 
     /// [`Interface::meet`], for many rays.
-    #[inline]
+    #[inline(always)]
     pub fn meet(&self, direction: DVec3, normal: DVec3) -> Interface {
         let Media { from, into, eta, eta_squared } = *self;
         if from == into {
@@ -74,7 +74,7 @@ impl Media {
 /// The mirrored direction.
 ///
 /// - `direction`, `normal`: unit vectors, the normal on either side
-#[inline]
+#[inline(always)]
 pub fn reflected(direction: DVec3, normal: DVec3) -> DVec3 {
     (direction - normal * (2.0 * direction.dot(normal))).normalize()
 }

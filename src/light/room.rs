@@ -59,6 +59,8 @@ struct Piece {
 /// A configuration, prepared for rays from the light.
 pub(crate) struct Room {
     surfaces: Vec<Surface>,
+    /// All of them, by index.
+    all: Vec<usize>,
     glass: Vec<Piece>,
     meshes: Vec<Hierarchy>,
     /// Holds every surface: no mesh lies beyond.
@@ -128,7 +130,8 @@ impl Room {
         });
         let meshes = meshes.collect();
         let n_mirrors = room.mirrors.len();
-        Room { surfaces, glass, meshes, bounds, of_source, of_diffuse, of_receiver, n_maps, n_mirrors }
+        let all = (0..surfaces.len()).collect();
+        Room { surfaces, all, glass, meshes, bounds, of_source, of_diffuse, of_receiver, n_maps, n_mirrors }
     }
 
     /// The surface of one of [`Configuration::sources`].
@@ -149,6 +152,7 @@ impl Room {
     pub fn n_optics(&self) -> usize {
         self.n_mirrors + self.glass.len()
     }
+    #[inline(always)]
     pub fn optic_of_glass(&self, glass: usize) -> usize {
         self.n_mirrors + glass
     }
@@ -156,7 +160,7 @@ impl Room {
         self.glass[glass].ior
     }
     /// The media at its faces, as a ray comes through them from outside or, as it `leaves`, from inside.
-    #[inline]
+    #[inline(always)]
     pub fn media(&self, glass: usize, leaves: bool) -> &Media {
         &self.glass[glass].media[usize::from(leaves)]
     }
@@ -164,12 +168,15 @@ impl Room {
     pub fn n_surfaces(&self) -> usize {
         self.surfaces.len()
     }
+    #[inline(always)]
     pub fn role(&self, surface: usize) -> Role {
         self.surfaces[surface].role
     }
+    #[inline(always)]
     pub fn normal(&self, surface: usize, at: DVec3) -> DVec3 {
         self.surfaces[surface].face.normal(at)
     }
+    #[inline(always)]
     pub fn glass_normal(&self, glass: usize, part: Part, at: DVec3) -> DVec3 {
         self.glass[glass].body.normal(part, at)
     }
@@ -181,18 +188,10 @@ impl Room {
     /// What a ray meets first, and how far away, metres.
     ///
     /// - `direction`: unit vector; `medium`: the piece of glass that the ray is in
-    #[inline]
+    #[inline(always)]
     pub fn nearest(&self, from: DVec3, direction: DVec3, start: Start, medium: Option<usize>) -> (f64, Met) {
         let mut found = (f64::INFINITY, Met::Nothing);
-        let ask = |index: usize, found: &mut (f64, Met)| {
-            let surface = &self.surfaces[index];
-            let starts_here = start == Start::Face(index);
-            if let Some(distance) = surface.face.meet(from, direction, starts_here, surface.sides)
-                && distance < found.0
-            {
-                *found = (distance, Met::Face(index));
-            }
-        };
+        let mut within = &self.all;
         match medium {
             Some(glass) => {
                 let left = match start {
@@ -202,7 +201,7 @@ impl Room {
                 let piece = &self.glass[glass];
                 let (distance, part) = piece.body.leave(from, direction, left);
                 found = (distance, Met::Glass(glass, part));
-                piece.within.iter().for_each(|index| ask(*index, &mut found));
+                within = &piece.within;
             }
             None => {
                 for (glass, piece) in self.glass.iter().enumerate() {
@@ -215,7 +214,15 @@ impl Room {
                         found = (distance, Met::Glass(glass, part));
                     }
                 }
-                (0..self.surfaces.len()).for_each(|index| ask(index, &mut found));
+            }
+        }
+        for index in within {
+            let surface = &self.surfaces[*index];
+            let starts_here = start == Start::Face(*index);
+            if let Some(distance) = surface.face.meet(from, direction, starts_here, surface.sides)
+                && distance < found.0
+            {
+                found = (distance, Met::Face(*index));
             }
         }
         if !self.meshes.is_empty() {

@@ -10,7 +10,7 @@ use super::ledger::{Moments, Sum};
 struct Touched(Vec<(u32, f64)>);
 
 impl Touched {
-    #[inline]
+    #[inline(always)]
     fn add(&mut self, cell: u32, flux: f64) {
         match self.0.iter_mut().find(|(known, _)| *known == cell) {
             Some((_, sum)) => *sum += flux,
@@ -30,11 +30,11 @@ impl Dense {
     pub fn new(n: usize) -> Dense {
         Dense { cells: vec![Moments::default(); n], touched: Touched::default() }
     }
-    #[inline]
+    #[inline(always)]
     pub fn add(&mut self, cell: usize, flux: f64) {
         self.touched.add(cell as u32, flux);
     }
-    #[inline]
+    #[inline(always)]
     fn settle(&mut self) {
         for (cell, flux) in &self.touched.0 {
             self.cells[*cell as usize].add(*flux);
@@ -97,14 +97,14 @@ impl Tally {
     }
 
     /// Flux left in a texel.
-    #[inline]
+    #[inline(always)]
     pub fn deposit(&mut self, texel: u32, flux: f64) {
         self.in_group += flux;
         self.touched.add(texel, flux);
     }
 
     /// Closes a group of rays.
-    #[inline]
+    #[inline(always)]
     pub fn settle(&mut self) {
         self.groups += 1;
         self.deposited.add(std::mem::take(&mut self.in_group));
