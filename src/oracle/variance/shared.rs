@@ -131,13 +131,7 @@ fn spread_of([m1, m2, m3, m4]: [f64; 4]) -> Spread {
 }
 
 /// - `due`: the mean at each point, W/m²
-fn tally(
-    fields: &[Field],
-    due: &[f64],
-    weights: &[Vec<f64>],
-    runs: &Runs,
-    places: std::ops::Range<u64>,
-) -> Tally {
+fn tally(fields: &[Field], due: &[f64], weights: &[Vec<f64>], runs: &Runs, places: std::ops::Range<u64>) -> Tally {
     let mut tally = Tally {
         weighed: vec![[0.0; 4]; weights.len()],
         points: vec![[0.0; 2]; fields.len()],
