@@ -98,13 +98,13 @@ impl Cone {
     pub fn share(&self) -> f64 {
         0.5 * self.depth
     }
-    #[inline]
+    #[inline(always)]
     fn holds(&self, direction: DVec3) -> bool {
         // 1 − cos of the angle from the axis, as half the square of a chord.
         0.5 * (direction - self.axis).length_squared() < self.depth
     }
     /// A uniform direction: heights over the base of a spherical cap are uniform (Archimedes).
-    #[inline]
+    #[inline(always)]
     pub fn draw(&self, draws: &mut Draws) -> DVec3 {
         let (x, y) = draws.disk();
         let fall = self.depth * (x * x + y * y);
@@ -120,6 +120,7 @@ pub(super) fn cones(targets: &[Target], from: DVec3) -> Vec<Cone> {
 }
 
 /// A uniform direction outside of all cones.
+#[inline(always)]
 pub(super) fn outside(cones: &[Cone], draws: &mut Draws) -> DVec3 {
     let all = Cone { axis: DVec3::Z, frame: Frame::around(DVec3::Z), depth: 2.0 };
     loop {
@@ -191,11 +192,12 @@ impl Lobe {
     pub fn share(&self) -> f64 {
         self.share
     }
-    #[inline]
+    #[inline(always)]
     pub fn holds(&self, direction: DVec3) -> bool {
         self.cone.holds(direction)
     }
     /// A direction with density cosθ/(π F).
+    #[inline(always)]
     pub fn draw(&self, normal: DVec3, draws: &mut Draws) -> DVec3 {
         let lean = self.cone.axis - normal * self.cone.axis.dot(normal);
         // Straight up there is no lean, and the ellipse is round about the middle.
@@ -221,6 +223,7 @@ impl Lobe {
 }
 
 /// The lobes of a surface element; empty where they would leave almost nothing.
+#[inline(always)]
 pub(super) fn lobes(targets: &[Target], from: DVec3, normal: DVec3, out: &mut Vec<Lobe>) {
     out.clear();
     out.extend(targets.iter().filter_map(|target| Lobe::new(target, from, normal)));
@@ -230,6 +233,7 @@ pub(super) fn lobes(targets: &[Target], from: DVec3, normal: DVec3, out: &mut Ve
 }
 
 /// A direction of a surface element, weighed by the cosine, outside of all lobes.
+#[inline(always)]
 pub(super) fn cosine_outside(lobes: &[Lobe], normal: DVec3, draws: &mut Draws) -> DVec3 {
     let frame = Frame::around(normal);
     loop {
@@ -261,6 +265,7 @@ impl Spot {
         a * a + b * b < self.radius * self.radius
     }
     /// A uniform place of the spot within the beam's section.
+    #[inline(always)]
     pub fn draw(&self, draws: &mut Draws) -> (f64, f64) {
         loop {
             let (a, b) = draws.disk();
@@ -310,6 +315,7 @@ pub(super) fn spots(targets: &[Target], center: DVec3, frame: &Frame, radius: f6
 }
 
 /// A uniform place of the unit disk outside of all spots.
+#[inline(always)]
 pub(super) fn place_outside(spots: &[Spot], draws: &mut Draws) -> (f64, f64) {
     loop {
         let (x, y) = draws.disk();

@@ -3,7 +3,7 @@
 //! Whether a ray is inside is known, not asked of its coordinates: from outside it can only enter, and not the body that it
 //! has just left; from inside it can only leave, and always does.
 
-use super::face::ball;
+use super::face::{ball, ball_ahead};
 use crate::configuration::GlassShape;
 use crate::geometry::DVec3;
 
@@ -72,11 +72,11 @@ impl Body {
     }
 
     /// Where a ray from outside enters: metres along it, greater than nought, and the face.
-    #[inline]
+    #[inline(always)]
     pub fn enter(&self, from: DVec3, direction: DVec3) -> Option<(f64, Part)> {
         match self {
             Body::Ball { center, radius } => {
-                let [near, _] = ball(from - *center, direction, *radius, false);
+                let near = ball_ahead(from - *center, direction, *radius)?;
                 (near > 0.0).then_some((near, 0))
             }
             Body::Box { center, normals, halves } => {
@@ -125,7 +125,7 @@ impl Body {
     /// Where a ray from inside leaves: metres along it, at least nought, and the face.
     ///
     /// - `left`: the face that it starts on, if it starts on one
-    #[inline]
+    #[inline(always)]
     pub fn leave(&self, from: DVec3, direction: DVec3, left: Option<Part>) -> (f64, Part) {
         // Rounding may put a starting point a hair outside: then the ray leaves at once.
         let far = |offset: DVec3, radius: f64| {
@@ -170,7 +170,7 @@ impl Body {
     }
 
     /// The outward unit normal of a face at a point of it.
-    #[inline]
+    #[inline(always)]
     pub fn normal(&self, part: Part, at: DVec3) -> DVec3 {
         match self {
             Body::Ball { center, .. } => (at - *center).normalize(),

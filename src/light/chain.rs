@@ -28,8 +28,10 @@ pub(crate) struct Ray {
     /// Flux with the field across the plane of incidence, and in it, W.
     s: f64,
     p: f64,
-    /// Unit normal of the plane of incidence; nought before there was one.
+    /// Normal of the plane of incidence, of any length; nought before there was one.
     plane: DVec3,
+    /// The square of its length.
+    plane_squared: f64,
     /// Interactions so far.
     pub order: usize,
 }
@@ -37,12 +39,45 @@ pub(crate) struct Ray {
 impl Ray {
     /// Unpolarised light.
     pub fn new(from: DVec3, direction: DVec3, start: Start, medium: Option<usize>, flux: f64) -> Ray {
-        Ray { from, direction, start, medium, s: 0.5 * flux, p: 0.5 * flux, plane: DVec3::ZERO, order: 0 }
+        let (s, p) = (0.5 * flux, 0.5 * flux);
+        Ray { from, direction, start, medium, s, p, plane: DVec3::ZERO, plane_squared: 0.0, order: 0 }
     }
-    #[inline]
+    #[inline(always)]
     pub fn flux(&self) -> f64 {
         self.s + self.p
     }
+
+    /// Tells s and p for the plane of incidence at a face: the same as before if the plane is, else unpolarised.
+    #[inline(always)]
+    fn turn(&mut self, normal: DVec3, tally: &mut Tally) {
+        let across = self.direction.cross(normal);
+        let squared = across.length_squared();
+        if squared < STRAIGHT {
+            return;
+        }
+        let (before, before_squared) = (self.plane, self.plane_squared);
+        (self.plane, self.plane_squared) = (across, squared);
+        if before_squared == 0.0 || is_same_plane(before, before_squared, across, squared) {
+            return;
+        }
+        let flux = self.flux();
+        if self.s != self.p {
+            tally.depolarised += 1;
+            tally.depolarised_flux += flux;
+        }
+        (self.s, self.p) = (0.5 * flux, flux - 0.5 * flux);
+    }
+}
+
+/// Whether two planes count as one, by their normals and the squares of their lengths.
+#[inline(always)]
+fn is_same_plane(a: DVec3, a_squared: f64, b: DVec3, b_squared: f64) -> bool {
+    // Without a root where rounding cannot matter.
+    let (sine, one) = (a.cross(b).length_squared(), a_squared * b_squared);
+    if sine < 0.5 * SAME_PLANE * one || sine > 2.0 * SAME_PLANE * one {
+        return sine < SAME_PLANE * one;
+    }
+    (a / a_squared.sqrt()).cross(b / b_squared.sqrt()).length_squared() <= SAME_PLANE
 }
 
 /// Where a chain of mirrors and glass ends.
@@ -77,15 +112,14 @@ impl<'a> Tracer<'a> {
     /// Follows a ray and its branches to their ends, and books all of its flux.
     ///
     /// - `branches`: scratch, empty before and after
-    pub fn follow(&self, ray: Ray, branches: &mut Vec<Ray>, draws: &mut Draws, tally: &mut Tally) {
+    #[inline(always)]
+    pub fn follow(&self, ray: &Ray, branches: &mut Vec<Ray>, draws: &mut Draws, tally: &mut Tally) {
         let faint = ray.flux() * FAINT;
         tally.rays += 1;
         tally.emitted += ray.flux();
-        let mut ray = ray;
+        let mut ray = *ray;
         loop {
-            while let Some(next) = self.step(ray, faint, branches, draws, tally) {
-                ray = next;
-            }
+            while self.step(&mut ray, faint, branches, draws, tally) {}
             match branches.pop() {
                 Some(branch) => ray = branch,
                 None => return,
@@ -93,18 +127,11 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    /// To the next meeting: the ray that goes on from there, if one does; what ends is booked.
-    #[inline]
-    fn step(
-        &self,
-        ray: Ray,
-        faint: f64,
-        branches: &mut Vec<Ray>,
-        draws: &mut Draws,
-        tally: &mut Tally,
-    ) -> Option<Ray> {
+    /// To the next meeting, and whether the ray goes on from there; what ends is booked.
+    #[inline(always)]
+    fn step(&self, ray: &mut Ray, faint: f64, branches: &mut Vec<Ray>, draws: &mut Draws, tally: &mut Tally) -> bool {
         match self.advance(ray, faint, branches, draws, tally) {
-            Ok(next) => return next,
+            Ok(goes_on) => return goes_on,
             Err(End::Escaped) => tally.escaped += ray.flux(),
             Err(End::Mesh) => tally.absorbed += ray.flux(),
             Err(End::Terminated) => tally.terminated += ray.flux(),
@@ -114,34 +141,36 @@ impl<'a> Tracer<'a> {
                     if (cosine > 0.0) == inward {
                         tally.absorbed += ray.flux();
                     } else {
-                        self.land(&ray, map, at, tally);
+                        self.land(ray, map, at, tally);
                     }
                 }
                 Role::Scatters { albedo, transmittance } => {
                     let outward = self.room.normal(surface, at);
                     let Some(direction) = scattered(ray.direction, outward, albedo, transmittance, draws) else {
                         tally.absorbed += ray.flux();
-                        return None;
+                        return false;
                     };
                     let on = Ray::new(at, direction, Start::Face(surface), ray.medium, ray.flux());
-                    return Some(Ray { order: ray.order, ..on });
+                    *ray = Ray { order: ray.order, ..on };
+                    return true;
                 }
                 Role::Absorbs | Role::Reflects { .. } => tally.absorbed += ray.flux(),
             },
         }
-        None
+        false
     }
 
-    /// To the next meeting: the ray that goes on by mirror or glass (none from a black mirror), or where it ends.
-    #[inline]
+    /// To the next meeting: whether the ray goes on by mirror or glass (not from a black mirror), or where it ends, and
+    /// then it is left as it came.
+    #[inline(always)]
     pub fn advance(
         &self,
-        ray: Ray,
+        ray: &mut Ray,
         faint: f64,
         branches: &mut Vec<Ray>,
         draws: &mut Draws,
         tally: &mut Tally,
-    ) -> Result<Option<Ray>, End> {
+    ) -> Result<bool, End> {
         let (distance, met) = self.room.nearest(ray.from, ray.direction, ray.start, ray.medium);
         let at = ray.from + ray.direction * distance;
         match met {
@@ -162,25 +191,19 @@ impl<'a> Tracer<'a> {
                 if ray.order == self.depth {
                     return Err(End::Terminated);
                 }
-                let mut normal = self.room.glass_normal(glass, part, at);
-                let (mut from, mut into) = (1.0, self.room.ior(glass));
-                let leaves = ray.medium.is_some();
-                if leaves {
-                    (from, into, normal) = (into, from, -normal);
-                }
-                let arrived = Ray {
-                    from: at,
-                    start: Start::Glass(glass, part),
-                    order: ray.order + 1,
-                    ..self.turned(ray, normal, tally)
-                };
-                let face = Interface::meet(ray.direction, normal, from, into);
-                let through = if leaves { None } else { Some(glass) };
-                Ok(self.split(arrived, face, normal, through, faint, branches, draws))
+                let outward = self.room.glass_normal(glass, part, at);
+                let (normal, through) = if ray.medium.is_some() { (-outward, None) } else { (outward, Some(glass)) };
+                let face = self.room.media(glass, ray.medium.is_some()).meet(ray.direction, normal);
+                ray.turn(normal, tally);
+                (ray.from, ray.start) = (at, Start::Glass(glass, part));
+                ray.order += 1;
+                self.split(ray, face, normal, through, faint, branches, draws);
+                Ok(true)
             }
         }
     }
 
+    #[inline(always)]
     fn land(&self, ray: &Ray, map: usize, at: DVec3, tally: &mut Tally) {
         let flux = ray.flux();
         tally.deposit(self.landings[map].cell(at, ray.order > 0), flux);
@@ -198,79 +221,67 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    fn mirror(&self, ray: Ray, surface: usize, at: DVec3, reflectance: f64, tally: &mut Tally) -> Option<Ray> {
+    /// Whether anything is sent on.
+    #[inline(always)]
+    fn mirror(&self, ray: &mut Ray, surface: usize, at: DVec3, reflectance: f64, tally: &mut Tally) -> bool {
         let normal = self.room.normal(surface, at);
         let (s, p) = (ray.s * reflectance, ray.p * reflectance);
         tally.absorbed += ray.flux() - (s + p);
         if reflectance == 0.0 {
-            return None;
+            return false;
         }
         // A mirror treats both polarisations alike, and mirrors their planes.
-        let plane = ray.plane - normal * (2.0 * ray.plane.dot(normal));
+        if ray.plane_squared > 0.0 {
+            let plane = ray.plane / ray.plane_squared.sqrt();
+            (ray.plane, ray.plane_squared) = (plane - normal * (2.0 * plane.dot(normal)), 1.0);
+        }
         let direction = reflected(ray.direction, normal);
-        Some(Ray { from: at, direction, start: Start::Face(surface), s, p, plane, order: ray.order + 1, ..ray })
+        *ray = Ray { from: at, direction, start: Start::Face(surface), s, p, order: ray.order + 1, ..*ray };
+        true
     }
 
-    /// The ray with s and p told for the plane of incidence at a face: the same as before if the plane is, else unpolarised.
-    fn turned(&self, ray: Ray, normal: DVec3, tally: &mut Tally) -> Ray {
-        let across = ray.direction.cross(normal);
-        let squared = across.length_squared();
-        if squared < STRAIGHT {
-            return ray;
-        }
-        let plane = across / squared.sqrt();
-        if ray.plane == DVec3::ZERO || ray.plane.cross(plane).length_squared() <= SAME_PLANE {
-            return Ray { plane, ..ray };
-        }
-        let flux = ray.flux();
-        if ray.s != ray.p {
-            tally.depolarised += 1;
-            tally.depolarised_flux += flux;
-        }
-        Ray { s: 0.5 * flux, p: flux - 0.5 * flux, plane, ..ray }
-    }
-
-    /// Sends a ray on from a face of glass.
+    /// Sends a ray on from a face of glass, where it stands.
     ///
     /// - `through`: the medium behind the face
     #[expect(clippy::too_many_arguments, reason = "all that a face has to do with")]
-    #[inline]
+    #[inline(always)]
     fn split(
         &self,
-        ray: Ray,
+        ray: &mut Ray,
         face: Interface,
         normal: DVec3,
         through: Option<usize>,
         faint: f64,
         branches: &mut Vec<Ray>,
         draws: &mut Draws,
-    ) -> Option<Ray> {
-        let back = |s: f64, p: f64| Ray { direction: reflected(ray.direction, normal), s, p, ..ray };
-        let Some(direction) = face.refracted else { return Some(back(ray.s, ray.p)) };
-        let on = |s: f64, p: f64| Ray { direction, medium: through, s, p, ..ray };
+    ) {
+        let Some(refracted) = face.refracted else {
+            ray.direction = reflected(ray.direction, normal);
+            return;
+        };
         let (s, p) = (ray.s * face.reflectance_s, ray.p * face.reflectance_p);
         let (flux, returned) = (ray.flux(), s + p);
         if self.split == Split::Both && flux >= faint {
             if returned > 0.0 {
-                branches.push(back(s, p));
+                branches.push(Ray { direction: reflected(ray.direction, normal), s, p, ..*ray });
             }
-            return Some(on(ray.s - s, ray.p - p));
-        }
-        // One part takes the flux of both; its polarisation stays.
-        if draws.unit() * flux < returned {
-            let scale = flux / returned;
-            let s = s * scale;
-            Some(back(s, flux - s))
+            (ray.s, ray.p) = (ray.s - s, ray.p - p);
+            (ray.direction, ray.medium) = (refracted, through);
+        } else if draws.unit() * flux < returned {
+            // One part takes the flux of both; its polarisation stays.
+            let s = s * (flux / returned);
+            (ray.s, ray.p) = (s, flux - s);
+            ray.direction = reflected(ray.direction, normal);
         } else {
-            let scale = flux / (flux - returned);
-            let s = (ray.s - s) * scale;
-            Some(on(s, flux - s))
+            let s = (ray.s - s) * (flux / (flux - returned));
+            (ray.s, ray.p) = (s, flux - s);
+            (ray.direction, ray.medium) = (refracted, through);
         }
     }
 }
 
 /// A direction of a surface element, weighed by the cosine: a uniform point of the unit disk, lifted onto the hemisphere.
-#[inline]
+#[inline(always)]
 pub(crate) fn cosine_direction(normal: DVec3, draws: &mut Draws) -> DVec3 {
     let frame = Frame::around(normal);
     let (x, y) = draws.disk();
@@ -282,6 +293,7 @@ pub(crate) fn cosine_direction(normal: DVec3, draws: &mut Draws) -> DVec3 {
 /// albedo (its outside sends nothing back), diffusely; else nowhere.
 ///
 /// - `outward`: unit normal
+#[inline(always)]
 pub(crate) fn scattered(
     direction: DVec3,
     outward: DVec3,

@@ -24,7 +24,7 @@ impl Draws {
     }
 
     /// Uniform on the multiples of 2⁻⁵² in [0, 1).
-    #[inline]
+    #[inline(always)]
     pub fn unit(&mut self) -> f64 {
         if self.next == LANES {
             self.drawn = self.lanes.next_units();
@@ -35,13 +35,14 @@ impl Draws {
     }
 
     /// A uniform point of the unit disk.
-    #[inline]
+    #[inline(always)]
     pub fn disk(&mut self) -> (f64, f64) {
         let (u, v) = (self.unit(), self.unit());
         crate::sampling::concentric(u, v)
     }
 
     /// A uniform point of a surface, as an offset from its origin, metres.
+    #[inline(always)]
     pub fn on(&mut self, surface: &Surface) -> DVec3 {
         (self.squares.u[0][0], self.squares.v[0][0]) = (self.unit(), self.unit());
         surface.place(&self.squares, 1, &mut self.places);

@@ -124,6 +124,7 @@ impl Emitter {
     }
 
     /// Fills a group with rays that together carry `flux`: some into each domain that is aimed at, one into the rest.
+    #[inline(always)]
     pub fn send(&self, room: &Room, flux: f64, draws: &mut Draws, group: &mut Group) {
         let Group { rays, lobes } = group;
         rays.clear();
@@ -184,6 +185,7 @@ impl Emitter {
 
 /// A place where a unit of emitted power starts, as an offset from the surface's origin: where a texture is brighter, more
 /// often, so that all groups carry the same flux and the books hold the source's power as it is.
+#[inline(always)]
 fn place(surface: &Surface, texture: Option<&Texture>, draws: &mut Draws) -> DVec3 {
     let Some(texture) = texture else { return draws.on(surface) };
     let [_, brightest] = texture.range();

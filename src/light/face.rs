@@ -129,7 +129,7 @@ impl Face {
     /// Where a ray meets the surface first, metres along it, greater than nought.
     ///
     /// - `direction`: unit vector; `starts_here`: whether `from` is a point of this surface
-    #[inline]
+    #[inline(always)]
     pub fn meet(&self, from: DVec3, direction: DVec3, starts_here: bool, sides: Sides) -> Option<f64> {
         match self {
             Face::Parallelogram { center, normal, dual_u, dual_v } => {
@@ -148,9 +148,12 @@ impl Face {
                 })
             }
             Face::Ball { center, radius } => {
+                if sides == Sides::Front {
+                    let ahead = if starts_here { None } else { ball_ahead(from - *center, direction, *radius) };
+                    return ahead.filter(|t| *t > 0.0);
+                }
                 let roots = ball(from - *center, direction, *radius, starts_here);
-                let counted = if sides == Sides::Front { &roots[..1] } else { &roots[..] };
-                counted.iter().copied().find(|t| *t > 0.0)
+                roots.into_iter().find(|t| *t > 0.0)
             }
             Face::Cap { center, radius, axis, height } => {
                 let offset = from - *center;
@@ -179,8 +182,28 @@ impl Face {
         }
     }
 
+    /// Whether it lies outside of a ball for sure, its rim not counted: no line meets it within the ball, to rounding.
+    pub fn is_clear_of(&self, middle: DVec3, reach: f64) -> bool {
+        let reach = reach * (1.0 + 1e-6);
+        let beyond = |point: DVec3, normal: DVec3| (middle - point).dot(normal).abs() > reach;
+        match self {
+            Face::Parallelogram { center, normal, .. } | Face::Disk { center, normal, .. } => {
+                beyond(*center, *normal)
+            }
+            Face::Polygon { anchor, frame, .. } => beyond(*anchor, frame.normal),
+            Face::Ball { center, radius } | Face::Cap { center, radius, .. } => {
+                ((middle - *center).length() - radius).abs() > reach
+            }
+            Face::Wall { center, axis, radius, .. } => {
+                let offset = middle - *center;
+                ((offset - *axis * offset.dot(*axis)).length() - radius).abs() > reach
+            }
+            Face::Dish { .. } => false,
+        }
+    }
+
     /// The unit normal at a point of the surface: of a ball, cap and wall outwards; of a dish on its hollow side.
-    #[inline]
+    #[inline(always)]
     pub fn normal(&self, at: DVec3) -> DVec3 {
         match self {
             Face::Parallelogram { normal, .. } | Face::Disk { normal, .. } => *normal,
@@ -200,7 +223,7 @@ impl Face {
     }
 }
 
-#[inline]
+#[inline(always)]
 fn flat(
     offset: DVec3,
     direction: DVec3,
@@ -222,7 +245,7 @@ fn flat(
 ///
 /// Half of the chord is the root of R² less the squared distance of the line from the centre, which keeps its digits for
 /// a small or far sphere (Haines et al., *Ray Tracing Gems*, 2019, chapter 7).
-#[inline]
+#[inline(always)]
 pub(super) fn ball(offset: DVec3, direction: DVec3, radius: f64, starts_here: bool) -> [f64; 2] {
     let middle = -offset.dot(direction);
     if starts_here {
@@ -240,8 +263,20 @@ pub(super) fn ball(offset: DVec3, direction: DVec3, radius: f64, starts_here: bo
     if middle > 0.0 { [outside / (middle + half), middle + half] } else { [middle - half, outside / (middle - half)] }
 }
 
+/// The nearer of [`ball`] for a ray that starts elsewhere; `None` where it is not ahead.
+#[inline(always)]
+pub(super) fn ball_ahead(offset: DVec3, direction: DVec3, radius: f64) -> Option<f64> {
+    let middle = -offset.dot(direction);
+    let half_squared = radius * radius - (offset + direction * middle).length_squared();
+    if !(middle > 0.0 && half_squared > 0.0) {
+        return None;
+    }
+    let (distance, half) = (offset.length(), half_squared.sqrt());
+    Some((distance - radius) * (distance + radius) / (middle + half))
+}
+
 /// Both roots of a t² + 2 b t + c, the smaller first; not numbers above nought where there is none.
-#[inline]
+#[inline(always)]
 fn quadratic(a: f64, b: f64, c: f64, starts_here: bool) -> [f64; 2] {
     if starts_here {
         // Infinite or NaN along an axis that meets the surface once: no meeting, for both.

@@ -28,15 +28,38 @@ impl Interface {
     /// - `from`, `into`: indices of refraction of this side and the other, finite, > 0
     /// - error: shares absolute, some 2⁻⁵³; directions likewise, over t near total reflection
     /// - source: Fresnel's equations; Born & Wolf, *Principles of Optics*, 1.5.2
-    #[inline]
+    #[inline(always)]
     pub fn meet(direction: DVec3, normal: DVec3, from: f64, into: f64) -> Interface {
+        Media::new(from, into).meet(direction, normal)
+    }
+}
+
+/// Two media that touch, in the order in which light comes through them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Media {
+    from: f64,
+    into: f64,
+    /// nᵢ/nₜ, and its square.
+    eta: f64,
+    eta_squared: f64,
+}
+
+impl Media {
+    pub fn new(from: f64, into: f64) -> Media {
+        let eta = from / into;
+        Media { from, into, eta, eta_squared: eta * eta }
+    }
+
+    /// [`Interface::meet`], for many rays.
+    #[inline(always)]
+    pub fn meet(&self, direction: DVec3, normal: DVec3) -> Interface {
+        let Media { from, into, eta, eta_squared } = *self;
         if from == into {
             return Interface { reflectance_s: 0.0, reflectance_p: 0.0, refracted: Some(direction) };
         }
         // Rounding may put a grazing ray behind the face.
         let c = (-direction.dot(normal)).clamp(0.0, 1.0);
-        let eta = from / into;
-        let radicand = 1.0 - eta * eta * ((1.0 - c) * (1.0 + c));
+        let radicand = 1.0 - eta_squared * ((1.0 - c) * (1.0 + c));
         if radicand <= 0.0 {
             return Interface { reflectance_s: 1.0, reflectance_p: 1.0, refracted: None };
         }
@@ -51,7 +74,7 @@ impl Interface {
 /// The mirrored direction.
 ///
 /// - `direction`, `normal`: unit vectors, the normal on either side
-#[inline]
+#[inline(always)]
 pub fn reflected(direction: DVec3, normal: DVec3) -> DVec3 {
     (direction - normal * (2.0 * direction.dot(normal))).normalize()
 }

@@ -22,7 +22,7 @@ impl Sum {
 }
 
 impl AddAssign<f64> for Sum {
-    #[inline]
+    #[inline(always)]
     fn add_assign(&mut self, term: f64) {
         let sum = self.sum + term;
         self.carried += if self.sum.abs() >= term.abs() { (self.sum - sum) + term } else { (term - sum) + self.sum };
@@ -48,7 +48,7 @@ pub struct Moments {
 
 impl Moments {
     /// One group's flux, W.
-    #[inline]
+    #[inline(always)]
     pub fn add(&mut self, flux: f64) {
         self.flux += flux;
         self.squares += flux * flux;

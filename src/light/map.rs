@@ -33,7 +33,7 @@ impl Landing {
         Landing { parametrisation, grid, first }
     }
     /// The number of a texel through all maps and both kinds of light.
-    #[inline]
+    #[inline(always)]
     pub fn cell(&self, at: DVec3, is_bent: bool) -> u32 {
         let texel = self.grid.texel(self.parametrisation.to_map(at));
         2 * (self.first + self.grid.index(texel)) as u32 + u32::from(is_bent)
@@ -73,7 +73,7 @@ impl TexelMap {
         TexelMap { parametrisation, grid, light, reach, n_groups: 0 }
     }
     /// What one group left in a texel; `light`: 0 for direct, 1 for bent.
-    #[inline]
+    #[inline(always)]
     pub(super) fn add(&mut self, texel: usize, light: usize, flux: f64) {
         self.light[light][texel].add(flux);
     }

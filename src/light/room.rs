@@ -2,6 +2,7 @@
 
 use super::body::{Body, Part};
 use super::face::{Face, Sides};
+use super::interface::Media;
 use crate::configuration::{Configuration, MirrorShape, ReceiverShape};
 use crate::geometry::{DVec3, Shape};
 use crate::scene::Hierarchy;
@@ -49,11 +50,17 @@ pub(crate) enum Met {
 struct Piece {
     body: Body,
     ior: f64,
+    /// From outside to inside, and back.
+    media: [Media; 2],
+    /// The surfaces that may lie inside, in their order.
+    within: Vec<usize>,
 }
 
 /// A configuration, prepared for rays from the light.
 pub(crate) struct Room {
     surfaces: Vec<Surface>,
+    /// All of them, by index.
+    all: Vec<usize>,
     glass: Vec<Piece>,
     meshes: Vec<Hierarchy>,
     /// Holds every surface: no mesh lies beyond.
@@ -108,8 +115,14 @@ impl Room {
                 of_source.push(index);
             }
         }
-        let glass =
-            room.glass.iter().map(|glass| Piece { body: Body::new(glass.shape()), ior: glass.ior() }).collect();
+        let glass = room.glass.iter().map(|glass| {
+            let (ior, (center, radius)) = (glass.ior(), glass.shape().bounding_sphere());
+            let may_be_within = |surface: &Surface| !surface.face.is_clear_of(center, radius);
+            let within = (0..surfaces.len()).filter(|k| may_be_within(&surfaces[*k])).collect();
+            let media = [Media::new(1.0, ior), Media::new(ior, 1.0)];
+            Piece { body: Body::new(glass.shape()), ior, media, within }
+        });
+        let glass = glass.collect();
         let bounds = bounds(configuration);
         let meshes = room.occluders.iter().filter_map(|shape| match shape {
             Shape::Mesh(mesh) => Some(Hierarchy::new(mesh, bounds)),
@@ -117,7 +130,8 @@ impl Room {
         });
         let meshes = meshes.collect();
         let n_mirrors = room.mirrors.len();
-        Room { surfaces, glass, meshes, bounds, of_source, of_diffuse, of_receiver, n_maps, n_mirrors }
+        let all = (0..surfaces.len()).collect();
+        Room { surfaces, all, glass, meshes, bounds, of_source, of_diffuse, of_receiver, n_maps, n_mirrors }
     }
 
     /// The surface of one of [`Configuration::sources`].
@@ -138,22 +152,31 @@ impl Room {
     pub fn n_optics(&self) -> usize {
         self.n_mirrors + self.glass.len()
     }
+    #[inline(always)]
     pub fn optic_of_glass(&self, glass: usize) -> usize {
         self.n_mirrors + glass
     }
     pub fn ior(&self, glass: usize) -> f64 {
         self.glass[glass].ior
     }
+    /// The media at its faces, as a ray comes through them from outside or, as it `leaves`, from inside.
+    #[inline(always)]
+    pub fn media(&self, glass: usize, leaves: bool) -> &Media {
+        &self.glass[glass].media[usize::from(leaves)]
+    }
     /// Surfaces without thickness; those of sources come first, in their order.
     pub fn n_surfaces(&self) -> usize {
         self.surfaces.len()
     }
+    #[inline(always)]
     pub fn role(&self, surface: usize) -> Role {
         self.surfaces[surface].role
     }
+    #[inline(always)]
     pub fn normal(&self, surface: usize, at: DVec3) -> DVec3 {
         self.surfaces[surface].face.normal(at)
     }
+    #[inline(always)]
     pub fn glass_normal(&self, glass: usize, part: Part, at: DVec3) -> DVec3 {
         self.glass[glass].body.normal(part, at)
     }
@@ -165,17 +188,20 @@ impl Room {
     /// What a ray meets first, and how far away, metres.
     ///
     /// - `direction`: unit vector; `medium`: the piece of glass that the ray is in
-    #[inline]
+    #[inline(always)]
     pub fn nearest(&self, from: DVec3, direction: DVec3, start: Start, medium: Option<usize>) -> (f64, Met) {
         let mut found = (f64::INFINITY, Met::Nothing);
+        let mut within = &self.all;
         match medium {
             Some(glass) => {
                 let left = match start {
                     Start::Glass(index, part) if index == glass => Some(part),
                     _ => None,
                 };
-                let (distance, part) = self.glass[glass].body.leave(from, direction, left);
+                let piece = &self.glass[glass];
+                let (distance, part) = piece.body.leave(from, direction, left);
                 found = (distance, Met::Glass(glass, part));
+                within = &piece.within;
             }
             None => {
                 for (glass, piece) in self.glass.iter().enumerate() {
@@ -190,12 +216,13 @@ impl Room {
                 }
             }
         }
-        for (index, surface) in self.surfaces.iter().enumerate() {
-            let starts_here = start == Start::Face(index);
+        for index in within {
+            let surface = &self.surfaces[*index];
+            let starts_here = start == Start::Face(*index);
             if let Some(distance) = surface.face.meet(from, direction, starts_here, surface.sides)
                 && distance < found.0
             {
-                found = (distance, Met::Face(index));
+                found = (distance, Met::Face(*index));
             }
         }
         if !self.meshes.is_empty() {

@@ -3,16 +3,14 @@
 //! The rays of a group share their place on the source, and the branches of a ray share its fate: so what falls into one
 //! cell is added up over a group before it is squared.
 
-use smallvec::SmallVec;
-
 use super::ledger::{Moments, Sum};
 
 /// The cells that one group has touched, each once.
 #[derive(Clone, Debug, Default)]
-struct Touched(SmallVec<[(u32, f64); 32]>);
+struct Touched(Vec<(u32, f64)>);
 
 impl Touched {
-    #[inline]
+    #[inline(always)]
     fn add(&mut self, cell: u32, flux: f64) {
         match self.0.iter_mut().find(|(known, _)| *known == cell) {
             Some((_, sum)) => *sum += flux,
@@ -32,14 +30,16 @@ impl Dense {
     pub fn new(n: usize) -> Dense {
         Dense { cells: vec![Moments::default(); n], touched: Touched::default() }
     }
-    #[inline]
+    #[inline(always)]
     pub fn add(&mut self, cell: usize, flux: f64) {
         self.touched.add(cell as u32, flux);
     }
+    #[inline(always)]
     fn settle(&mut self) {
-        for (cell, flux) in self.touched.0.drain(..) {
-            self.cells[cell as usize].add(flux);
+        for (cell, flux) in &self.touched.0 {
+            self.cells[*cell as usize].add(*flux);
         }
+        self.touched.0.clear();
     }
     pub fn merge(&mut self, other: &Dense) {
         self.cells.iter_mut().zip(&other.cells).for_each(|(cell, other)| cell.merge(other));
@@ -97,17 +97,19 @@ impl Tally {
     }
 
     /// Flux left in a texel.
-    #[inline]
+    #[inline(always)]
     pub fn deposit(&mut self, texel: u32, flux: f64) {
         self.in_group += flux;
         self.touched.add(texel, flux);
     }
 
     /// Closes a group of rays.
+    #[inline(always)]
     pub fn settle(&mut self) {
         self.groups += 1;
         self.deposited.add(std::mem::take(&mut self.in_group));
-        self.texels.extend(self.touched.0.drain(..));
+        self.texels.extend_from_slice(&self.touched.0);
+        self.touched.0.clear();
         self.orders.settle();
         self.rings.settle();
         self.tiles.settle();

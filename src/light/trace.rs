@@ -1,5 +1,6 @@
 //! One run: batches of rays, each a pure function of its key, joined in their order.
 
+use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
 use super::chain::Tracer;
@@ -69,6 +70,7 @@ pub struct LightTracer {
     settings: LightSettings,
     source_power: f64,
     root: StreamKey,
+    arch: Arch,
 }
 
 impl LightTracer {
@@ -93,6 +95,7 @@ impl LightTracer {
             settings: LightSettings { rings, tiles, ..settings.clone() },
             source_power: source_power.value(),
             root: StreamKey::root(seed).with(configuration.digest().key()).with(PURPOSE),
+            arch: Arch::new(),
         }
     }
 
@@ -178,21 +181,14 @@ impl LightTracer {
 
     fn batch(&self, batch: u64, groups: u64, n_groups: u64) -> Tally {
         let mut tally = self.tally();
-        let mut draws = Draws::new(self.root.with(batch));
-        let tracer = Tracer::new(&self.room, &self.landings, &self.settings);
-        let (mut group, mut branches) = (Group::default(), Vec::new());
-        let flux = self.source_power / n_groups as f64;
-        for _ in 0..groups {
-            self.pick(&mut draws).send(&self.room, flux, &mut draws, &mut group);
-            for ray in &group.rays {
-                tracer.follow(*ray, &mut branches, &mut draws, &mut tally);
-            }
-            tally.settle();
-        }
+        // One source text, compiled for each instruction set and chosen at run time. Rust never fuses a multiplication
+        // and an addition by itself, so the set changes the speed and no bit.
+        self.arch.dispatch(Batch { of: self, batch, groups, n_groups, tally: &mut tally });
         tally
     }
 
     /// A source, with a probability of its share of the power.
+    #[inline(always)]
     fn pick(&self, draws: &mut Draws) -> &Emitter {
         let (last, others) = self.emitters.split_last().expect("a batch has an emitter");
         if others.is_empty() {
@@ -206,6 +202,35 @@ impl LightTracer {
             left -= emitter.power;
         }
         last
+    }
+}
+
+/// A batch as a function that can be compiled for any instruction set.
+struct Batch<'a> {
+    of: &'a LightTracer,
+    batch: u64,
+    groups: u64,
+    n_groups: u64,
+    tally: &'a mut Tally,
+}
+
+impl NullaryFnOnce for Batch<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Batch { of, batch, groups, n_groups, tally } = self;
+        let mut draws = Draws::new(of.root.with(batch));
+        let tracer = Tracer::new(&of.room, &of.landings, &of.settings);
+        let (mut group, mut branches) = (Group::default(), Vec::new());
+        let flux = of.source_power / n_groups as f64;
+        for _ in 0..groups {
+            of.pick(&mut draws).send(&of.room, flux, &mut draws, &mut group);
+            for ray in &group.rays {
+                tracer.follow(ray, &mut branches, &mut draws, tally);
+            }
+            tally.settle();
+        }
     }
 }
 

@@ -10,6 +10,7 @@ use crate::light::{Draws, Met, Room};
 
 /// What a place gets straight from all sources, W/m²: of each surface one point is asked, uniform by area, and what it would
 /// bring stands for all of it, M A cosθ cosθ′/(π r²); lamps are asked as they are.
+#[inline(always)]
 pub(super) fn straight(
     place: &Place,
     room: &Room,
@@ -29,6 +30,7 @@ pub(super) fn straight(
     found
 }
 
+#[inline(always)]
 fn from_surface(place: &Place, room: &Room, skins: &[Skin], target: &Target, offset: DVec3) -> f64 {
     let at = target.surface.origin() + offset;
     let normal = target.surface.flat_normal().unwrap_or_else(|| offset.normalize()) * target.side;
@@ -48,6 +50,7 @@ fn from_surface(place: &Place, room: &Room, skins: &[Skin], target: &Target, off
     exitance * target.area * arrives * leaves / (PI * squared)
 }
 
+#[inline(always)]
 fn from_lamp(place: &Place, room: &Room, lamp: &Lamp) -> f64 {
     let (direction, distance, irradiance) = match lamp {
         Lamp::Point(lamp) => {

@@ -1,5 +1,6 @@
 //! Many paths: batches, each a pure function of its key, joined in their order.
 
+use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
 use super::settings::{Part, PathSettings};
@@ -45,6 +46,7 @@ impl PathPoint {
     pub fn reached(&self, part: Part) -> u64 {
         self.reached[part.index()]
     }
+    #[inline(always)]
     fn add(&mut self, found: &Found) {
         self.parts.iter_mut().zip(found.parts()).for_each(|(sums, light)| sums.add(light));
         self.reached.iter_mut().zip(found.reached).for_each(|(count, reached)| *count += u64::from(reached));
@@ -93,6 +95,7 @@ pub struct PathTracer {
     receiver: Option<(Surface, Start)>,
     settings: PathSettings,
     root: StreamKey,
+    arch: Arch,
 }
 
 impl PathTracer {
@@ -116,6 +119,7 @@ impl PathTracer {
             receiver,
             settings: *settings,
             root: root.with(u64::from(settings.next_event)),
+            arch: Arch::new(),
             room,
         }
     }
@@ -164,28 +168,39 @@ impl PathTracer {
         let root = self.root.with(stream);
         for first in (0..n_batches).step_by(BATCHES_A_ROUND as usize) {
             let round = first..(first + BATCHES_A_ROUND).min(n_batches);
-            let batch = |k: u64| self.batch(root.with(k), places, weighing, &place);
+            // One source text, compiled for each instruction set and chosen at run time, as for rays from the light.
+            let batch =
+                |k: u64| self.arch.dispatch(Batch { of: self, key: root.with(k), places, weighing, place: &place });
             let done: Vec<PathRun> = round.into_par_iter().map(batch).collect();
             done.iter().for_each(|run| total.merge(run));
         }
         total
     }
+}
 
-    fn batch<W: Weighing>(
-        &self,
-        key: StreamKey,
-        places: usize,
-        weighing: &W,
-        place: &impl Fn(usize, &mut Draws) -> Place,
-    ) -> PathRun {
+/// A batch as a function that can be compiled for any instruction set.
+struct Batch<'a, W: Weighing, P: Fn(usize, &mut Draws) -> Place> {
+    of: &'a PathTracer,
+    key: StreamKey,
+    places: usize,
+    weighing: &'a W,
+    place: &'a P,
+}
+
+impl<W: Weighing, P: Fn(usize, &mut Draws) -> Place> NullaryFnOnce for Batch<'_, W, P> {
+    type Output = PathRun;
+
+    #[inline(always)]
+    fn call(self) -> PathRun {
+        let Batch { of, key, places, weighing, place } = self;
         let mut run = PathRun::new(places);
         let mut draws = Draws::new(key);
-        let light = LightSettings { depth: self.settings.chain, split: Split::One, ..LightSettings::default() };
-        let tracer = Tracer::new(&self.room, &[], &light);
-        let mut tally = Tally::new(0, 0, [0, 0], self.room.n_optics());
+        let light = LightSettings { depth: of.settings.chain, split: Split::One, ..LightSettings::default() };
+        let tracer = Tracer::new(&of.room, &[], &light);
+        let mut tally = Tally::new(0, 0, [0, 0], of.room.n_optics());
         let mut branches: Vec<Ray> = Vec::new();
-        let (room, skins, targets, lamps) = (&self.room, &self.skins[..], &self.targets[..], &self.lamps[..]);
-        let walker = Walker { room, skins, targets, lamps, settings: self.settings, weighing };
+        let (room, skins, targets, lamps) = (&of.room, &of.skins[..], &of.targets[..], &of.lamps[..]);
+        let walker = Walker { room, skins, targets, lamps, settings: of.settings, weighing };
         let share = 1.0 / places as f64;
         for _ in 0..PATHS_A_BATCH {
             let mut mean = Found::default();

@@ -72,6 +72,7 @@ enum Next {
 
 impl<W: Weighing> Walker<'_, W> {
     /// - `tally`: scratch, whose books are never read; `branches`: scratch, stays empty
+    #[inline(always)]
     pub fn walk(
         &self,
         from: Place,
@@ -91,9 +92,9 @@ impl<W: Weighing> Walker<'_, W> {
             let direction = cosine_direction(place.normal, draws);
             let mut ray = Ray::new(place.at, direction, place.start, place.medium, 1.0);
             let end = loop {
-                match tracer.advance(ray, f64::INFINITY, branches, draws, tally) {
-                    Ok(Some(next)) => ray = next,
-                    Ok(None) => return found,
+                match tracer.advance(&mut ray, f64::INFINITY, branches, draws, tally) {
+                    Ok(true) => {}
+                    Ok(false) => return found,
                     Err(end) => break end,
                 }
             };
@@ -133,6 +134,7 @@ impl<W: Weighing> Walker<'_, W> {
 }
 
 /// What a surface does with a path that has met it.
+#[inline(always)]
 fn next(skin: &Skin, at: DVec3, outward: DVec3, on_front: bool, draws: &mut Draws) -> Next {
     let (normal, share) = match &skin.sends {
         Sends::Nothing => return Next::Nowhere,
@@ -151,6 +153,7 @@ fn next(skin: &Skin, at: DVec3, outward: DVec3, on_front: bool, draws: &mut Draw
 }
 
 impl Found {
+    #[inline(always)]
     fn add(&mut self, light: f64, reflections: usize, order: usize) {
         match (reflections, order) {
             (0, 0) => self.direct += light,
@@ -159,6 +162,7 @@ impl Found {
         }
     }
     /// In the order of [`super::Part::ALL`].
+    #[inline(always)]
     pub fn parts(&self) -> [f64; 3] {
         [self.direct + self.caustic + self.indirect, self.caustic, self.indirect]
     }

@@ -53,24 +53,24 @@ impl Axis {
     }
 
     /// - `own`: the texel that `at` lies in
+    #[inline]
     pub fn blend(&self, own: usize, at: f64) -> Blend {
-        let n = self.borders.len() - 1;
-        let plain = Blend { own, other: own, other_weight: 0.0, pole_weight: 0.0 };
+        let last = self.borders.len() - 2;
         let (below, above) = (at - self.borders[own], self.borders[own + 1] - at);
-        // Up to its half on either side: never both.
-        let (k, off) = if below < self.reach[own] {
-            (own, below)
-        } else if above < self.reach[own + 1] {
-            (own + 1, above)
-        } else {
-            return plain;
+        // Up to its half on either side: never both. Where neither is near, the share is one or more, and the weight nought.
+        let is_low = below < self.reach[own];
+        let (k, off) = if is_low { (own, below) } else { (own + 1, above) };
+        let reach = self.reach[k];
+        let share = if off < reach { (off / reach).max(0.0) } else { 1.0 };
+        let other = match (is_low, self.wraps) {
+            (true, _) if own > 0 => own - 1,
+            (false, _) if own < last => own + 1,
+            (true, true) => last,
+            (false, true) => 0,
+            // An end of the surface: a pole, or an edge whose reach is nought.
+            _ => return Blend { own, other: own, other_weight: 0.0, pole_weight: 1.0 - share },
         };
-        let share = (off / self.reach[k]).max(0.0);
-        if !self.wraps && (k == 0 || k == n) {
-            return Blend { pole_weight: 1.0 - share, ..plain };
-        }
-        let other = if k == own { (own + n - 1) % n } else { (own + 1) % n };
-        Blend { other, other_weight: 0.5 * (1.0 - share), ..plain }
+        Blend { own, other, other_weight: 0.5 * (1.0 - share), pole_weight: 0.0 }
     }
 
     /// Where the weights' slopes change, ascending, within (0, 1) or at the ends.

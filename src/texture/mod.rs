@@ -16,6 +16,7 @@ use glam::DVec3;
 use crate::errors::errors;
 use crate::geometry::{ParametrisationError, Rectangle};
 
+use polynomial::Edges;
 pub use polynomial::ExitancePolynomial;
 pub use raster::{Encoding, Raster};
 pub use texels::{Lookup, Texels};
@@ -54,6 +55,7 @@ pub enum Texture {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OnRectangle {
     rectangle: Rectangle,
+    edges: Edges,
     polynomial: ExitancePolynomial,
     least: f64,
     largest: f64,
@@ -70,7 +72,7 @@ impl OnRectangle {
         if least < -1e-12 * largest.max(0.0) || (least < 0.0 && largest <= 0.0) {
             return Err(TextureError::Negative { least });
         }
-        Ok(OnRectangle { rectangle, polynomial, least: least.max(0.0), largest })
+        Ok(OnRectangle { rectangle, edges: Edges::new(&rectangle), polynomial, least: least.max(0.0), largest })
     }
     pub fn rectangle(&self) -> &Rectangle {
         &self.rectangle
@@ -93,10 +95,14 @@ pub struct Seams {
 
 impl Texture {
     /// The value at a point of the surface (metres); beside it, that of the nearest point, as the map takes it.
+    #[inline]
     pub fn at(&self, point: DVec3) -> f64 {
         match self {
             Texture::Texels(texels) => texels.at(point),
-            Texture::Polynomial(on) => on.polynomial.value_at(&on.rectangle, point).max(0.0),
+            Texture::Polynomial(on) => {
+                let [s, t] = on.edges.metres(point);
+                on.polynomial.value(s, t).max(0.0)
+            }
         }
     }
 

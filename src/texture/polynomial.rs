@@ -49,12 +49,8 @@ impl ExitancePolynomial {
 
     /// W/m² at a position (metres) on a rectangle; beside its plane, that of the nearest point in it.
     pub fn value_at(&self, rectangle: &Rectangle, position: DVec3) -> f64 {
-        let (u, v) = (rectangle.edge_u().normalize(), rectangle.edge_v().normalize());
-        let offset = position - rectangle.center();
-        // Edges may be off the right angle by rounding.
-        let (along_u, along_v, cosine) = (offset.dot(u), offset.dot(v), u.dot(v));
-        let square = 1.0 - cosine * cosine;
-        self.value((along_u - cosine * along_v) / square, (along_v - cosine * along_u) / square)
+        let [s, t] = Edges::new(rectangle).metres(position);
+        self.value(s, t)
     }
 
     /// Mean over a rectangle with edges a and b, W/m²: e00 + e20 a²/12 + e02 b²/12.
@@ -82,5 +78,32 @@ impl ExitancePolynomial {
             // A NaN is neither least nor greatest, but must not be lost.
             if value.is_nan() { [value, value] } else { [low.min(value), high.max(value)] }
         })
+    }
+}
+
+/// A rectangle's unit edges, prepared for many places.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Edges {
+    center: DVec3,
+    u: DVec3,
+    v: DVec3,
+    /// Edges may be off the right angle by rounding: u·v, and 1 less its square.
+    cosine: f64,
+    square: f64,
+}
+
+impl Edges {
+    pub fn new(rectangle: &Rectangle) -> Edges {
+        let (u, v) = (rectangle.edge_u().normalize(), rectangle.edge_v().normalize());
+        let cosine = u.dot(v);
+        Edges { center: rectangle.center(), u, v, cosine, square: 1.0 - cosine * cosine }
+    }
+
+    /// Metres from the centre along either edge; beside the plane, of the nearest point in it.
+    #[inline]
+    pub fn metres(&self, position: DVec3) -> [f64; 2] {
+        let offset = position - self.center;
+        let (along_u, along_v) = (offset.dot(self.u), offset.dot(self.v));
+        [(along_u - self.cosine * along_v) / self.square, (along_v - self.cosine * along_u) / self.square]
     }
 }

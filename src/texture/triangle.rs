@@ -31,6 +31,7 @@ impl Bilinear {
         self.factor
     }
 
+    #[inline]
     pub fn at(&self, [s, t]: [f64; 2]) -> f64 {
         let place = |x: f64, n: usize| {
             // From the middle of the first texel to that of the last; beyond them constant.

@@ -39,53 +39,118 @@ pub(super) fn correlations(
         if rows < 2 * GROUPS {
             continue;
         }
-        let groups: Vec<&[f64]> = {
-            let edge = |g: usize| g * rows / GROUPS * n_points;
-            (0..GROUPS).map(|g| &cell.kept[edge(g)..edge(g + 1)]).collect()
-        };
         let takes_part: Vec<bool> = (cell.points.iter().zip(&plan.prediction.alike).zip(prepared.exact))
             .map(|((sums, predicted), exact)| *exact > 0.0 && !is_rare(sums, *predicted, rows as u64))
             .collect();
         let predicted = predicted(prepared, strategy, &separations, &takes_part);
-        // First and second moments of each group for each point, so that leaving a group out is a subtraction.
-        let single: Vec<Vec<[f64; 2]>> = groups.iter().map(|g| point_sums(g, n_points)).collect();
+        let kept = Kept::new(&cell.kept, n_points);
         for (separation, predicted) in separations.iter().zip(&predicted) {
-            let pair_sums: Vec<Vec<f64>> = groups
-                .iter()
-                .map(|group| {
-                    separation
-                        .pairs
-                        .iter()
-                        .map(|(i, j)| group.chunks_exact(n_points).map(|row| row[*i] * row[*j]).sum())
-                        .collect()
-                })
-                .collect();
-            let without = |left_out: Option<usize>| {
-                let kept = || (0..GROUPS).filter(move |g| Some(*g) != left_out);
-                let n: usize = kept().map(|g| groups[g].len() / n_points).sum();
-                mean_correlation(
-                    separation,
-                    &takes_part,
-                    n as f64,
-                    &|p| kept().fold([0.0; 2], |sum, g| [sum[0] + single[g][p][0], sum[1] + single[g][p][1]]),
-                    &|pair| kept().map(|g| pair_sums[g][pair]).sum(),
-                )
+            let found_of = |(correlation, parts): (f64, Vec<f64>)| {
+                let interval = from_left_out(fisher(correlation), &parts, LEVEL)?;
+                let (metres, predicted) = (separation.metres, *predicted);
+                let (low, high) = (interval.low, interval.high);
+                Some(Correlation { samples: cell.samples, separation: metres, correlation, low, high, predicted })
             };
-            let Some(correlation) = without(None) else { continue };
-            let parts: Option<Vec<f64>> = (0..GROUPS).map(|g| without(Some(g)).map(fisher)).collect();
-            let Some(parts) = parts else { continue };
-            let Some(interval) = from_left_out(fisher(correlation), &parts, LEVEL) else { continue };
-            found.push(Correlation {
-                samples: cell.samples,
-                separation: separation.metres,
-                correlation,
-                low: interval.low,
-                high: interval.high,
-                predicted: *predicted,
-            });
+            found.extend(kept.correlation(separation, &takes_part).and_then(found_of));
         }
     }
     found
+}
+
+/// Estimates less exact values of the replicates that were kept, and what is needed of them for each group left out.
+struct Kept<'a> {
+    n_points: usize,
+    /// `[replicate][point]` of each group.
+    groups: Vec<&'a [f64]>,
+    /// All groups, then all but each one.
+    selections: Vec<Selection>,
+}
+
+/// Sums over groups, at each point.
+struct Selection {
+    left_out: Option<usize>,
+    /// Replicates.
+    n: f64,
+    sums: Vec<f64>,
+    /// Sum of squared deviations from the mean; nought where that is but rounding.
+    spreads: Vec<f64>,
+}
+
+impl<'a> Kept<'a> {
+    fn new(kept: &'a [f64], n_points: usize) -> Kept<'a> {
+        let rows = kept.len() / n_points;
+        let edge = |g: usize| g * rows / GROUPS * n_points;
+        let groups: Vec<&[f64]> = (0..GROUPS).map(|g| &kept[edge(g)..edge(g + 1)]).collect();
+        // First and second moments of each group at each point.
+        let single: Vec<Vec<[f64; 2]>> = groups.iter().map(|g| point_sums(g, n_points)).collect();
+        let selection = |left_out: Option<usize>| {
+            let chosen = || (0..GROUPS).filter(move |g| Some(*g) != left_out);
+            let n = chosen().map(|g| groups[g].len() / n_points).sum::<usize>() as f64;
+            let mut moments = vec![[0.0; 2]; n_points];
+            for g in chosen() {
+                moments.iter_mut().zip(&single[g]).for_each(|(sum, more)| (0..2).for_each(|k| sum[k] += more[k]));
+            }
+            let spread = |[s, q]: &[f64; 2]| {
+                let spread = q - s * s / n;
+                if spread > 1e-12 * q { spread } else { 0.0 }
+            };
+            let spreads = moments.iter().map(spread).collect();
+            Selection { left_out, n, sums: moments.into_iter().map(|[s, _]| s).collect(), spreads }
+        };
+        let selections = std::iter::once(None).chain((0..GROUPS).map(Some)).map(selection).collect();
+        Kept { n_points, groups, selections }
+    }
+
+    /// The mean correlation at a separation, and Fisher's transform of the same without each group; `None` where no pair
+    /// varies, in all or without one.
+    fn correlation(&self, separation: &Separation, takes_part: &[bool]) -> Option<(f64, Vec<f64>)> {
+        let pairs = &separation.pairs;
+        let products: Vec<Vec<f64>> = self.groups.iter().map(|group| self.products(group, pairs)).collect();
+        let mut sums = vec![0.0; pairs.len()];
+        let mut mean = |selection: &Selection| {
+            sums.fill(0.0);
+            for (_, products) in products.iter().enumerate().filter(|(g, _)| Some(*g) != selection.left_out) {
+                sums.iter_mut().zip(products).for_each(|(sum, more)| *sum += more);
+            }
+            selection.mean_correlation(pairs, takes_part, &sums)
+        };
+        let correlation = mean(&self.selections[0])?;
+        let parts: Option<Vec<f64>> = self.selections[1..].iter().map(|left| mean(left).map(fisher)).collect();
+        Some((correlation, parts?))
+    }
+
+    /// Of each pair, the sum over replicates.
+    fn products(&self, group: &[f64], pairs: &[(usize, usize)]) -> Vec<f64> {
+        let mut sums = vec![0.0; pairs.len()];
+        // Along a line neighbours in the list are neighbours in both points.
+        let step = pairs.first().map_or(0, |(i, j)| j - i);
+        let is_run = pairs.iter().enumerate().all(|(k, pair)| *pair == (k, k + step));
+        for row in group.chunks_exact(self.n_points) {
+            if is_run {
+                let products = row.iter().zip(&row[step..]).map(|(a, b)| a * b);
+                sums.iter_mut().zip(products).for_each(|(sum, product)| *sum += product);
+            } else {
+                sums.iter_mut().zip(pairs).for_each(|(sum, (i, j))| *sum += row[*i] * row[*j]);
+            }
+        }
+        sums
+    }
+}
+
+impl Selection {
+    /// Mean over the pairs of their correlation coefficient; `None` where no pair varies.
+    fn mean_correlation(&self, pairs: &[(usize, usize)], takes_part: &[bool], products: &[f64]) -> Option<f64> {
+        let (mut total, mut count) = (0.0, 0_u32);
+        let pairs = pairs.iter().zip(products);
+        for ((i, j), product) in pairs.filter(|((i, j), _)| takes_part[*i] && takes_part[*j]) {
+            let (v_i, v_j) = (self.spreads[*i], self.spreads[*j]);
+            if v_i > 0.0 && v_j > 0.0 {
+                total += (product - self.sums[*i] * self.sums[*j] / self.n) / (v_i * v_j).sqrt();
+                count += 1;
+            }
+        }
+        (count > 0).then(|| (total / f64::from(count)).clamp(-1.0, 1.0))
+    }
 }
 
 /// All pairs whose correlation is shown, in the order of their separations.
@@ -128,27 +193,6 @@ fn point_sums(rows: &[f64], n_points: usize) -> Vec<[f64; 2]> {
         }
     }
     sums
-}
-
-/// Mean over the pairs of their correlation coefficient; `None` where no pair varies.
-fn mean_correlation(
-    separation: &Separation,
-    takes_part: &[bool],
-    n: f64,
-    sums: &dyn Fn(usize) -> [f64; 2],
-    products: &dyn Fn(usize) -> f64,
-) -> Option<f64> {
-    let (mut total, mut count) = (0.0, 0_u32);
-    let pairs = separation.pairs.iter().enumerate();
-    for (pair, (i, j)) in pairs.filter(|(_, (i, j))| takes_part[*i] && takes_part[*j]) {
-        let ([s_i, q_i], [s_j, q_j]) = (sums(*i), sums(*j));
-        let (v_i, v_j) = (q_i - s_i * s_i / n, q_j - s_j * s_j / n);
-        if v_i > 1e-12 * q_i && v_j > 1e-12 * q_j {
-            total += (products(pair) - s_i * s_j / n) / (v_i * v_j).sqrt();
-            count += 1;
-        }
-    }
-    (count > 0).then(|| (total / f64::from(count)).clamp(-1.0, 1.0))
 }
 
 /// Along a line: every multiple of the spacing. Else: pairs gathered by distance.

@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use super::predict::Predictions;
 use crate::case::Case;
+use crate::configuration::Digest;
 use crate::estimator::{Estimator, Job, Scratch};
 use crate::oracle::Truth;
 use crate::sampling::{Purpose, Strategy, StreamKey};
@@ -47,6 +48,8 @@ impl Contrasts {
 pub(super) struct Prepared<'a> {
     pub case: &'a Case,
     pub seed: u64,
+    /// The configuration's.
+    pub digest: Digest,
     pub truths: &'a [Truth],
     /// Exact irradiance at each point, W/m².
     pub exact: &'a [f64],
@@ -121,7 +124,7 @@ pub(super) fn measure(
     replicates: u64,
     progress: &(dyn Fn(u64) + Sync),
 ) -> CellSums {
-    let key = StreamKey::cell(prepared.seed, prepared.case.configuration.digest().key(), purpose, strategy, samples);
+    let key = StreamKey::cell(prepared.seed, prepared.digest.key(), purpose, strategy, samples);
     let units = BATCHES.min(replicates);
     let ranges = (0..units).map(|k| k * replicates / units..(k + 1) * replicates / units);
     let n_points = prepared.exact.len();
@@ -177,12 +180,14 @@ fn measure_unit(
         estimates.resize(points.len() * count, 0.0);
         let job = Job { strategy, samples, cell: key, replicates: part.clone(), points };
         prepared.estimator.estimate(&job, &mut scratch, &mut estimates);
-        for (sums, row) in unit.points.iter_mut().zip(estimates.chunks_exact(count)) {
+        combined.clear();
+        combined.resize(unit.contrasts.len() * count, 0.0);
+        for (p, (sums, row)) in unit.points.iter_mut().zip(estimates.chunks_exact(count)).enumerate() {
             sums.extend(row);
+            add_weighed(&prepared.contrasts.weights, p, row, &mut combined);
         }
-        for (sums, weights) in unit.contrasts.iter_mut().zip(&prepared.contrasts.weights) {
-            combine(weights, &estimates, count, &mut combined);
-            sums.extend(&combined);
+        for (sums, row) in unit.contrasts.iter_mut().zip(combined.chunks_exact(count)) {
+            sums.extend(row);
         }
         if points.len() <= KEPT_POINTS {
             for r in 0..count.min(KEPT_REPLICATES.saturating_sub(part.start) as usize) {
@@ -200,15 +205,12 @@ fn replicates_at_once(n_points: usize) -> u64 {
     (32_768 / n_points as u64).clamp(1, 256)
 }
 
-/// Σ_p weight_p · estimate_p for each replicate.
+/// One point's part in Σ_p weight_p · estimate_p, for each replicate and weighting.
 ///
-/// - `estimates`: [point][replicate]
-fn combine(weights: &[f64], estimates: &[f64], n_replicates: usize, out: &mut Vec<f64>) {
-    out.clear();
-    out.resize(n_replicates, 0.0);
-    for (weight, row) in weights.iter().zip(estimates.chunks_exact(n_replicates)) {
-        for (sum, estimate) in out.iter_mut().zip(row) {
-            *sum += weight * estimate;
-        }
+/// - `weights`: `[weighting][point]`; `sums`: `[weighting][replicate]`
+fn add_weighed(weights: &[Vec<f64>], point: usize, estimates: &[f64], sums: &mut [f64]) {
+    for (weights, sums) in weights.iter().zip(sums.chunks_exact_mut(estimates.len())) {
+        let weight = weights[point];
+        sums.iter_mut().zip(estimates).for_each(|(sum, estimate)| *sum += weight * estimate);
     }
 }

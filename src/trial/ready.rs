@@ -9,7 +9,7 @@ use super::outcome::{CaseOutcome, StrategyOutcome, Timing};
 use super::predict::Predictions;
 use super::reach::{full, grazing};
 use crate::case::{Case, Study};
-use crate::configuration::Configuration;
+use crate::configuration::{Configuration, Digest};
 use crate::estimator::Estimator;
 use crate::oracle::{Oracle, Truth};
 use crate::sampling::{Strategy, Technique};
@@ -19,6 +19,7 @@ pub type Maker<'a> = dyn Fn(&Configuration, Technique) -> Box<dyn Estimator> + '
 
 pub(super) struct Ready<'a> {
     pub case: &'a Case,
+    digest: Digest,
     pub truths: Vec<Truth>,
     exact: Vec<f64>,
     full: Vec<f64>,
@@ -57,7 +58,18 @@ impl<'a> Ready<'a> {
         for strategy in &study.strategies {
             estimators.entry(strategy.technique()).or_insert_with_key(|technique| make(configuration, *technique));
         }
-        Ready { case, truths, exact, full, grazing, contrasts, predictions, estimators, timings }
+        Ready {
+            case,
+            digest: configuration.digest(),
+            truths,
+            exact,
+            full,
+            grazing,
+            contrasts,
+            predictions,
+            estimators,
+            timings,
+        }
     }
 
     /// What was found of the case.
@@ -66,7 +78,7 @@ impl<'a> Ready<'a> {
         CaseOutcome {
             name: case.name.clone(),
             title: case.title.clone(),
-            digest: case.configuration.digest(),
+            digest: self.digest,
             arrangement: case.configuration.arrangement(),
             albedos: case.configuration.albedos(),
             points: case.configuration.points().to_vec(),
@@ -83,6 +95,7 @@ impl<'a> Ready<'a> {
         Prepared {
             case: self.case,
             seed,
+            digest: self.digest,
             truths: &self.truths,
             exact: &self.exact,
             full: &self.full,

@@ -93,20 +93,28 @@ struct Affine {
     origin: DVec3,
     first: DVec3,
     second: DVec3,
+    /// first × second, and the square of its length.
+    normal: DVec3,
+    square: f64,
 }
 
 impl Affine {
+    fn new(origin: DVec3, first: DVec3, second: DVec3) -> Affine {
+        let normal = first.cross(second);
+        Affine { origin, first, second, normal, square: normal.length_squared() }
+    }
+
     fn at(&self, a: f64, b: f64) -> DVec3 {
         self.origin + self.first * a + self.second * b
     }
 
     /// a and b by Cramer's rule, of the nearest point in the plane: with n = first × second and d the offset,
     /// a = (d × second)·n / n·n, b = (first × d)·n / n·n.
+    #[inline]
     fn solve(&self, point: DVec3) -> [f64; 2] {
         let offset = point - self.origin;
-        let normal = self.first.cross(self.second);
-        let square = normal.length_squared();
-        [offset.cross(self.second).dot(normal) / square, self.first.cross(offset).dot(normal) / square]
+        let (a, b) = (offset.cross(self.second).dot(self.normal), self.first.cross(offset).dot(self.normal));
+        [a / self.square, b / self.square]
     }
 }
 
@@ -115,7 +123,7 @@ impl Parametrisation {
     pub fn rectangle(rectangle: &Rectangle) -> Parametrisation {
         let (first, second) = (rectangle.edge_u(), rectangle.edge_v());
         let origin = rectangle.center() - first * 0.5 - second * 0.5;
-        Parametrisation { chart: Chart::Rectangle(Affine { origin, first, second }), area: rectangle.area() }
+        Parametrisation { chart: Chart::Rectangle(Affine::new(origin, first, second)), area: rectangle.area() }
     }
 
     /// The vertices lie at the corners of `map`, and what is between them is laid out affinely.
@@ -126,7 +134,7 @@ impl Parametrisation {
     pub fn triangle(vertices: [DVec3; 3], map: MapTriangle) -> Result<Parametrisation, ParametrisationError> {
         let area = triangle_area(vertices)?;
         let [p0, p1, p2] = vertices;
-        let plane = Affine { origin: p0, first: p1 - p0, second: p2 - p0 };
+        let plane = Affine::new(p0, p1 - p0, p2 - p0);
         Ok(Parametrisation { chart: Chart::Triangle { plane, map }, area })
     }
 
@@ -193,6 +201,7 @@ impl Parametrisation {
     ///
     /// - error: some units in the last place of the coordinates over the size of the surface; s of a sphere or a disk more
     ///   by one over the share of the radius that the point is off the axis
+    #[inline]
     pub fn to_map(&self, point: DVec3) -> [f64; 2] {
         let [s, t] = match &self.chart {
             Chart::Rectangle(plane) => plane.solve(point),

@@ -1,7 +1,11 @@
 //! Integrals over cells of the unit square, halved until each is wholly seen, wholly hidden, or small.
 
+use std::cell::OnceCell;
+
+use glam::DVec3;
 use smallvec::SmallVec;
 
+use super::chart::Place;
 use super::field::{Contribution, Field, Landing};
 use super::moments::SampleMoments;
 
@@ -28,6 +32,21 @@ impl Cell {
         let ([u0, u1], [v0, v1]) = (self.u, self.v);
         [[[u0, u], [v0, v]], [[u, u1], [v0, v]], [[u0, u], [v, v1]], [[u, u1], [v, v1]]].map(|[u, v]| Cell { u, v })
     }
+}
+
+/// Where the corners of a cell lie in it, all around.
+const CORNERS: [(f64, f64); 4] = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
+
+/// A corner or the middle of a cell, which is a corner of others too.
+struct Spot {
+    u: f64,
+    v: f64,
+    place: Place,
+    direction: DVec3,
+    /// Of exitance 1.
+    landing: Landing,
+    /// Found when it is asked for.
+    margin: OnceCell<f64>,
 }
 
 /// How cells are integrated.
@@ -75,18 +94,31 @@ impl<F: Fn(&Landing) -> Contribution> Cells<'_, F> {
     /// - `level`: halvings that led to it
     /// - `visit`: told (level, area, moments) of every cell down to the finest level, a cell after its quarters
     pub fn moments(&self, cell: Cell, level: u32, visit: &mut impl FnMut(u32, f64, &SampleMoments)) -> SampleMoments {
-        self.part(cell, level, f64::INFINITY, visit)
+        let corners = CORNERS.map(|(s, t)| self.spot(cell.at(s, t)));
+        self.part(cell, corners.each_ref(), level, f64::INFINITY, visit)
+    }
+
+    fn spot(&self, (u, v): (f64, f64)) -> Spot {
+        let place = self.field.place(u, v);
+        // Whether it is lit is no matter of how brightly.
+        let (direction, landing) = self.field.of(&place, 1.0);
+        Spot { u, v, place, direction, landing, margin: OnceCell::new() }
+    }
+
+    fn margin(&self, spot: &Spot) -> f64 {
+        *spot.margin.get_or_init(|| self.field.margin(spot.direction))
     }
 
     /// - `above`: how far the cell reaches of which this one is a quarter
     fn part(
         &self,
         cell: Cell,
+        corners: [&Spot; 4],
         level: u32,
         above: f64,
         visit: &mut impl FnMut(u32, f64, &SampleMoments),
     ) -> SampleMoments {
-        let moments = self.found(cell, level, above, visit);
+        let moments = self.found(cell, corners, level, above, visit);
         if level <= self.finest {
             visit(level, cell.area(), &moments);
         }
@@ -96,20 +128,15 @@ impl<F: Fn(&Landing) -> Contribution> Cells<'_, F> {
     fn found(
         &self,
         cell: Cell,
+        corners: [&Spot; 4],
         level: u32,
         above: f64,
         visit: &mut impl FnMut(u32, f64, &SampleMoments),
     ) -> SampleMoments {
-        let (u, v) = cell.at(0.5, 0.5);
-        let (middle, margin) = self.field.seen(u, v);
-        let places = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(|(s, t)| {
-            let (u, v) = cell.at(s, t);
-            let place = self.field.place(u, v);
-            // Whether it is lit is no matter of how brightly.
-            self.field.of(&place, 1.0)
-        });
-        let corners = places.map(|(direction, _)| direction);
-        let reach = BULGE * corners.iter().map(|corner| corner.distance(middle)).fold(0.0, f64::max);
+        let middle = self.spot(cell.at(0.5, 0.5));
+        let margin = self.margin(&middle);
+        let distances = corners.map(|corner| corner.direction.distance(middle.direction));
+        let reach = BULGE * distances.into_iter().fold(0.0, f64::max);
         let is_torn = level > TORN_LEVEL && reach > TORN * above;
         // The corners of a great cell may lie together (at a pole) and tell nothing of how far it reaches.
         let may_end = level >= SMOOTH_LEVEL.max(self.finest);
@@ -117,8 +144,8 @@ impl<F: Fn(&Landing) -> Contribution> Cells<'_, F> {
             if margin < 0.0 && may_end {
                 return SampleMoments::SHADOW;
             }
-            let sets = |(_, landing): &(_, Landing)| landing.cos_receiver * landing.cos_source > 0.0;
-            let lit = places.iter().filter(|place| sets(place)).count();
+            let sets = |corner: &&&Spot| corner.landing.cos_receiver * corner.landing.cos_source > 0.0;
+            let lit = corners.iter().filter(sets).count();
             // Where light sets, on the receiver's horizon or a sphere's own, the integrand has a corner too.
             let is_creased = (lit != 0 && lit != 4) || self.field.is_creased(cell.u, cell.v);
             let is_uneven = self.field.is_uneven(cell.u, cell.v, level);
@@ -130,15 +157,42 @@ impl<F: Fn(&Landing) -> Contribution> Cells<'_, F> {
                 return if reach <= NARROW { self.ruled(cell, &GAUSS_3) } else { self.ruled(cell, &GAUSS_4) };
             }
         } else if level >= self.edge_level.max(self.finest + EDGE_BELOW) && (reach <= WIDEST || is_torn) {
-            let (u, v) = cell.at(0.5, 0.5);
-            let margins = corners.map(|corner| self.field.margin(corner));
-            let (_, landing) = self.field.at(u, v);
+            let margins = corners.map(|corner| self.margin(corner));
+            let landing = Landing { exitance: self.field.exitance_at(&middle.place), ..middle.landing };
             let Contribution { value, density } = (self.contribution)(&landing);
             let weight = density * cell.area() * seen_share(margin, margins);
             return SampleMoments { has_shadow: true, ..SampleMoments::point(value, weight) };
         }
-        let quarters = cell.quarters().map(|quarter| self.part(quarter, level + 1, reach, visit));
-        quarters.into_iter().fold(SampleMoments::default(), SampleMoments::plus)
+        self.quarters(cell, corners, &middle, &mut |quarter, corners| {
+            self.part(quarter, corners, level + 1, reach, visit)
+        })
+    }
+
+    /// Both parts of all quarters, whose corners are the cell's own, its middle, and the middles of its sides.
+    fn quarters(
+        &self,
+        cell: Cell,
+        corners: [&Spot; 4],
+        middle: &Spot,
+        part: &mut dyn FnMut(Cell, [&Spot; 4]) -> SampleMoments,
+    ) -> SampleMoments {
+        let ([u0, u1], [v0, v1], (u, v)) = (cell.u, cell.v, (middle.u, middle.v));
+        let [bottom, right, top, left] = [(u, v0), (u1, v), (u, v1), (u0, v)].map(|place| self.spot(place));
+        // `[v][u]`.
+        let grid = [[corners[0], &bottom, corners[1]], [&left, middle, &right], [corners[3], &top, corners[2]]];
+        let mut sum = SampleMoments::default();
+        for (k, quarter) in cell.quarters().into_iter().enumerate() {
+            let known = [(0, 0), (0, 1), (1, 1), (1, 0)].map(|(j, i)| grid[k / 2 + j][k % 2 + i]);
+            // Where the sides of a cell are rounded, the same place may have other digits.
+            let own: [Option<Spot>; 4] = std::array::from_fn(|c| {
+                let (s, t) = CORNERS[c];
+                let place = quarter.at(s, t);
+                ((known[c].u, known[c].v) != place).then(|| self.spot(place))
+            });
+            let corners = std::array::from_fn(|c| own[c].as_ref().unwrap_or(known[c]));
+            sum = sum.plus(part(quarter, corners));
+        }
+        sum
     }
 
     /// A small cell in which the exitance jumps, along one line as far as the cell tells: on each of a few lines across that,

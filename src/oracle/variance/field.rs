@@ -193,12 +193,6 @@ impl<'a> Field<'a> {
         let Some(blockers) = &self.blockers else { return -1.0 };
         blockers.iter().map(|piece| -piece.margin(direction)).fold(f64::INFINITY, f64::min)
     }
-
-    /// The direction to a place and its margin.
-    pub fn seen(&self, u: f64, v: f64) -> (DVec3, f64) {
-        let (direction, _) = self.of(&self.place(u, v), self.exitance);
-        (direction, self.margin(direction))
-    }
 }
 
 /// Curves of all occluders together beyond which a margin costs too much.

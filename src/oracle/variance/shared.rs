@@ -59,6 +59,7 @@ impl Oracle {
             covariances: vec![0.0; pairs.len()],
             variances: vec![0.0; points.len()],
         };
+        let runs = Runs::of(pairs);
         for source in 0..self.sources.len() {
             let fields: Vec<Field> =
                 points.iter().map(|point| Field::new(self, source, point)).collect::<Option<_>>()?;
@@ -66,7 +67,7 @@ impl Oracle {
             let due: Vec<f64> = points.iter().map(|point| self.due(source, point)).collect();
             let chunks: Vec<u64> = (0..PLACES.div_ceil(CHUNK)).collect();
             let tallies = threads::map(&chunks, |k| {
-                tally(&fields, &due, weights, pairs, k * CHUNK..((k + 1) * CHUNK).min(PLACES))
+                tally(&fields, &due, weights, &runs, k * CHUNK..((k + 1) * CHUNK).min(PLACES))
             });
             let n = PLACES as f64;
             // Added in order: the same bits on any number of threads.
@@ -91,6 +92,37 @@ impl Oracle {
     }
 }
 
+/// Pairs of points, in runs of neighbours: (i, j), (i + 1, j + 1), … whose products are taken several at a time.
+struct Runs {
+    /// The first pair of each, and how many.
+    runs: Vec<(usize, usize, usize)>,
+    n_pairs: usize,
+}
+
+impl Runs {
+    fn of(pairs: &[(usize, usize)]) -> Runs {
+        let mut runs: Vec<(usize, usize, usize)> = Vec::new();
+        for (i, j) in pairs {
+            match runs.last_mut() {
+                Some((first, second, length)) if (*first + *length, *second + *length) == (*i, *j) => *length += 1,
+                _ => runs.push((*i, *j, 1)),
+            }
+        }
+        Runs { runs, n_pairs: pairs.len() }
+    }
+
+    /// Adds the product of either value of each pair to its sum.
+    fn add_products(&self, values: &[f64], sums: &mut [f64]) {
+        let mut rest = sums;
+        for (i, j, length) in &self.runs {
+            let (own, others) = rest.split_at_mut(*length);
+            rest = others;
+            let products = values[*i..i + length].iter().zip(&values[*j..j + length]).map(|(a, b)| a * b);
+            own.iter_mut().zip(products).for_each(|(sum, product)| *sum += product);
+        }
+    }
+}
+
 /// From moments about a place near the mean.
 fn spread_of([m1, m2, m3, m4]: [f64; 4]) -> Spread {
     let variance = (m2 - m1 * m1).max(0.0);
@@ -99,17 +131,11 @@ fn spread_of([m1, m2, m3, m4]: [f64; 4]) -> Spread {
 }
 
 /// - `due`: the mean at each point, W/m²
-fn tally(
-    fields: &[Field],
-    due: &[f64],
-    weights: &[Vec<f64>],
-    pairs: &[(usize, usize)],
-    places: std::ops::Range<u64>,
-) -> Tally {
+fn tally(fields: &[Field], due: &[f64], weights: &[Vec<f64>], runs: &Runs, places: std::ops::Range<u64>) -> Tally {
     let mut tally = Tally {
         weighed: vec![[0.0; 4]; weights.len()],
         points: vec![[0.0; 2]; fields.len()],
-        pairs: vec![0.0; pairs.len()],
+        pairs: vec![0.0; runs.n_pairs],
     };
     let mut values = vec![0.0; fields.len()];
     for i in places {
@@ -138,9 +164,7 @@ fn tally(
                 *sum += power;
             }
         }
-        for (sum, (i, j)) in tally.pairs.iter_mut().zip(pairs) {
-            *sum += values[*i] * values[*j];
-        }
+        runs.add_products(&values, &mut tally.pairs);
     }
     tally
 }
