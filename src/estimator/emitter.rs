@@ -162,6 +162,7 @@ struct Unoccluded<'a> {
 impl Work for Unoccluded<'_> {
     type Output = ();
 
+    #[expect(clippy::needless_range_loop, reason = "one index over several rows")]
     #[inline(always)]
     fn run<R: Registers>(self, registers: R) {
         let Unoccluded { emitter, point, places, len, shading } = self;

@@ -193,6 +193,7 @@ trait Stops {
     fn stops<T: Lanewise>(&self, ray: Displacement<T>) -> T::Which;
 }
 
+#[expect(clippy::needless_range_loop, reason = "one index over several rows")]
 #[inline(always)]
 fn shade_by<R: Registers>(registers: R, what: impl Stops, rays: &ShadowRays, len: usize, contributions: &mut Row) {
     for g in 0..groups(len) {

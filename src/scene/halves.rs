@@ -3,9 +3,11 @@
 
 use glam::DVec3;
 
+#[cfg(not(feature = "fast"))]
 use super::ShadowRays;
 use super::segment::Segment;
 use crate::geometry::Mesh;
+#[cfg(not(feature = "fast"))]
 use crate::sampling::{LANES, Row, groups};
 
 /// Parts of so many triangles are not halved.
@@ -48,6 +50,8 @@ impl Hierarchy {
     /// Sets to zero the contributions of the rays that this blocks, among the first `len` of a block.
     ///
     /// - `from`: the shading point, metres
+    #[cfg(not(feature = "fast"))]
+    #[expect(clippy::needless_range_loop, reason = "one index over several rows")]
     pub fn shade(&self, from: DVec3, rays: &ShadowRays, len: usize, contributions: &mut Row) {
         for g in 0..groups(len) {
             for l in 0..LANES {

@@ -145,6 +145,7 @@ struct Block<'a> {
 impl Traced for Block<'_> {
     type Answer = ();
 
+    #[expect(clippy::needless_range_loop, reason = "one index over several rows")]
     #[inline(always)]
     fn trace<R: Boxes>(self, registers: R) {
         let Block { hierarchy, from, rays, len, contributions } = self;

@@ -329,9 +329,9 @@ impl Wide {
         let (mut nodes, mut left) = ([[0_u32; ROOM]; N], [1_usize; N]);
         let (mut packs, mut packs_of, mut found) = ([[0_u32; WIDTH]; N], [0_u32; N], [0_u32; N]);
         let (mut active, mut n_active) = ([0_u32; N], 0);
-        for ray in 0..N {
+        for (ray, end) in to.iter().enumerate() {
             active[n_active] = ray as u32;
-            n_active += usize::from(to[ray].is_some());
+            n_active += usize::from(end.is_some());
         }
         while n_active > 0 {
             let mut n_found = 0;
@@ -385,7 +385,7 @@ impl Wide {
 
     /// Whether anything below a node blocks a segment, however deep that is.
     #[cold]
-    fn blocks_below(&self, node: u32, slabs: &Slabs, from: DVec3, to: DVec3) -> bool {
+    pub(super) fn blocks_below(&self, node: u32, slabs: &Slabs, from: DVec3, to: DVec3) -> bool {
         let mut open = vec![node];
         while let Some(place) = open.pop() {
             let node = &self.nodes[place as usize];
