@@ -23,6 +23,20 @@ if [[ ! -x "$python" ]]; then
 fi
 [[ -n "$python" ]] && ! "$python" benches/peers/mitsuba_room.py a 1024 >/dev/null 2>&1 && python=""
 
+# Processes from their start to a relative standard error of 1e-3 in mid-penumbra: medians of milliseconds.
+processes() {
+    local mine theirs begin ratios=""
+    for ((round = 0; round < rounds; round++)); do
+        begin=$(date +%s%N); "$ours" target c 1e-3 >/dev/null; mine=$((($(date +%s%N) - begin) / 1000))
+        begin=$(date +%s%N); "$python" benches/peers/mitsuba_room.py c 0 1e-3 >/dev/null 2>&1; theirs=$((($(date +%s%N) - begin) / 1000))
+        ratios+="$((theirs * 100 / mine)) $mine $theirs"$'\n'
+    done
+    sort -n <<<"${ratios%$'\n'}" | awk '{ ratio[NR] = $1 / 100; mine[NR] = $2 / 1e3; theirs[NR] = $3 / 1e3 }
+        END { m = int((NR + 1) / 2)
+              printf "| a process, from start to a standard error of 1e-3 in mid-penumbra (c) | %.1f ms | %.0f ms | **%.0f** | %.0f to %.0f |\n",
+                     mine[m], theirs[m], ratio[m], ratio[1], ratio[NR] }'
+}
+
 rate() { grep -o '"m[a-z]*_per_s": *[0-9.]*' | head -1 | tr -d ' ' | cut -d: -f2; }
 
 # What is compared, and the two commands: `rounds` times one after the other.
@@ -59,6 +73,7 @@ if [[ -n "$python" ]]; then
         alternate "samples, $name, Mitsuba 3.9.1 LLVM" \
             "'$ours' room $letter $samples" "'$python' benches/peers/mitsuba_room.py $letter $samples 2>/dev/null"
     done
+    processes
 else
     echo "| Mitsuba: left out (no PyPI, or no LLVM 19) | | | | |"
 fi

@@ -1,6 +1,7 @@
 """One of the rooms of ours.rs in Mitsuba 3 (LLVM, single precision, one thread): samples a second at 65 points.
 
     python mitsuba_room.py a|c|d|e SAMPLES
+    python mitsuba_room.py a|c|d|e 0 TARGET      one point in mid-penumbra, until its relative standard error is that small
 
 `scene.sample_emitter_direction` in a recorded loop, a shadow ray each, one lane for a part of one point's samples: the fastest
 route that was found for a user of its Python interface. Needs `pip install mitsuba numpy` and LLVM 19 (DRJIT_LIBLLVM_PATH names the
@@ -18,6 +19,10 @@ import mitsuba as mi
 
 POINTS, LANES, ROUNDS = 65, 1024, 5
 room, samples = sys.argv[1], int(sys.argv[2])
+target = float(sys.argv[3]) if len(sys.argv) > 3 else None
+places = np.linspace(-1.5, 1.5, 65)
+if target:
+    POINTS, LANES, samples, places = 1, 8192, 65536, places[47:48]
 mi.set_variant("llvm_ad_rgb")
 dr.set_thread_count(1)
 
@@ -71,19 +76,37 @@ def gathered(point, random, count):
     return total
 
 
-def round_of(seed):
+def lanes_of(seed):
+    """Sums of each lane."""
     n = POINTS * LANES
-    x = dr.gather(mi.Float, mi.Float(np.linspace(-1.5, 1.5, POINTS)), dr.arange(mi.UInt32, n) // LANES)
+    x = dr.gather(mi.Float, mi.Float(places), dr.arange(mi.UInt32, n) // LANES)
     state, stream = mi.sample_tea_32(dr.arange(mi.UInt32, n), dr.opaque(mi.UInt32, seed))
     random = mi.PCG32(size=n, initstate=mi.UInt64(state), initseq=mi.UInt64(stream))
     point = dr.zeros(mi.SurfaceInteraction3f, n)
     point.p, point.n = mi.Point3f(x, 0, 0), mi.Normal3f(0, 0, 1)
     point.sh_frame = mi.Frame3f(point.n)
-    total = dr.block_reduce(dr.ReduceOp.Add, gathered(point, random, dr.opaque(mi.UInt32, samples // LANES)), LANES)
+    total = gathered(point, random, dr.opaque(mi.UInt32, samples // LANES))
     dr.eval(total)
-    return np.array(total)[::LANES] if dr.width(total) == n else np.array(total)
+    return np.array(total)
 
 
+def round_of(seed):
+    """Sums of each point."""
+    return lanes_of(seed).reshape(POINTS, LANES).sum(1)
+
+
+if target:
+    # A round of eight samples a lane; lanes' own sums are replicates.
+    n, mean, squares, seed = 0, 0.0, 0.0, 0
+    while n == 0 or math.sqrt(squares / (n - 1) / n) > target * mean:
+        seed += 1
+        for estimate in lanes_of(seed) / (samples // LANES):
+            n += 1
+            step = estimate - mean
+            mean += step / n
+            squares += step * (estimate - mean)
+    print(json.dumps({"who": f"mitsuba {mi.__version__}", "room": room, "samples": n * (samples // LANES), "mean": mean}))
+    sys.exit()
 seconds = []
 for seed in range(ROUNDS + 1):
     begin = time.perf_counter()

@@ -2,7 +2,8 @@
 //!
 //! ```sh
 //! cargo bench --bench ours -- rays disk 100000 random      # shadow rays against a mesh, as benches/peers/embree.c traces them
-//! cargo bench --bench ours -- room c 65536                 # 65 points, so many samples each, as benches/peers/mitsuba_peer.py
+//! cargo bench --bench ours -- room c 65536                 # 65 points, so many samples each, as mitsuba_room.py
+//! cargo bench --bench ours -- target c 1e-3                # one point in mid-penumbra, until its standard error is that small
 //! ```
 //!
 //! One thread. Rooms: source at z = 2, occluder at z = 1, 65 points on x in [−1.5, 1.5] of the plane z = 0.
@@ -26,6 +27,7 @@ fn main() {
     let words: Vec<&str> = words.iter().map(String::as_str).collect();
     match words[..] {
         ["rays", mesh, triangles, order] => rays(mesh, triangles.parse().expect("a number of triangles"), order),
+        ["target", letter, error] => target(letter, error.parse().expect("a relative standard error")),
         ["room", letter, samples] => room(letter, samples.parse().expect("a number of samples"), Strategy::Random),
         ["room", letter, samples, strategy] => {
             let strategy = Strategy::from_name(strategy).expect("a strategy's name");
@@ -122,7 +124,8 @@ fn rays(mesh: &str, triangles: usize, order: &str) {
     );
 }
 
-fn room(letter: &str, samples: u64, strategy: Strategy) {
+/// A room of the comparison, seen from some of its points.
+fn configuration(letter: &str, points: std::ops::Range<usize>) -> Configuration {
     let rectangle =
         |z: f64, side: f64| Shape::Rectangle(Rectangle::new(DVec3::Z * z, DVec3::Y * side, DVec3::X * side).unwrap());
     let disk = |z: f64, radius: f64| Shape::Disk(Disk::new(DVec3::Z * z, -DVec3::Z, radius).unwrap());
@@ -136,10 +139,39 @@ fn room(letter: &str, samples: u64, strategy: Strategy) {
         _ => panic!("no room {letter}: a to f"),
     };
     let source = Source::new(source, Exitance::new(1.0)).unwrap();
-    let points =
-        (0..POINTS).map(|k| MeasurementPoint::new(DVec3::X * (3.0 * k as f64 / 64.0 - 1.5), DVec3::Z).unwrap());
-    let configuration =
-        Configuration::new(vec![source], occluders, None, points.collect(), Arrangement::Line).unwrap();
+    let points = points.map(|k| MeasurementPoint::new(DVec3::X * (3.0 * k as f64 / 64.0 - 1.5), DVec3::Z).unwrap());
+    Configuration::new(vec![source], occluders, None, points.collect(), Arrangement::Line).unwrap()
+}
+
+/// From the start of the process to a standard error, told by the spread of replicates of 1024 samples.
+fn target(letter: &str, error: f64) {
+    let configuration = configuration(letter, 47..48);
+    let estimator = for_technique(&configuration, Strategy::Random.technique());
+    let (mut scratch, mut estimates) = (Scratch::default(), vec![0.0; 64]);
+    let (mut n, mut mean, mut squares) = (0.0, 0.0, 0.0);
+    let reached = |n: f64, mean: f64, squares: f64| n > 1.0 && (squares / (n - 1.0) / n).sqrt() <= error * mean;
+    while !reached(n, mean, squares) {
+        let replicates = n as u64..n as u64 + 64;
+        let job = Job {
+            strategy: Strategy::Random,
+            samples: 1024,
+            cell: StreamKey::root(1),
+            replicates,
+            points: configuration.points(),
+        };
+        estimator.estimate(&job, &mut scratch, &mut estimates);
+        for estimate in &estimates {
+            n += 1.0;
+            let step = estimate - mean;
+            mean += step / n;
+            squares += step * (estimate - mean);
+        }
+    }
+    println!("{{\"who\":\"etendue\",\"room\":\"{letter}\",\"samples\":{},\"mean\":{mean:.9}}}", n * 1024.0);
+}
+
+fn room(letter: &str, samples: u64, strategy: Strategy) {
+    let configuration = configuration(letter, 0..POINTS);
     let estimator = for_technique(&configuration, strategy.technique());
     let points = configuration.points();
     let (mut scratch, mut estimates) = (Scratch::default(), vec![0.0; POINTS]);

@@ -18,11 +18,11 @@ const LEAF: u32 = 1 << 31;
 const COUNT_SHIFT: u32 = 25;
 
 /// How far a corner's f32 coordinates across the ray may be off, in a scene scaled to [−1, 1]: ends and corners are
-/// rounded (2⁻²⁵ each), so are their differences (2⁻²⁴), the shear (3 · 2⁻²⁴ of at most 1, times at most 2 along the ray) and
-/// what it is multiplied with: 7.2e-7 together.
+/// rounded (2⁻²⁵ each), so are their differences (2⁻²⁴), the shear (4 · 2⁻²⁴ of at most 1, times at most 2 along the ray),
+/// what it is multiplied with, the product and the difference: 9e-7 together.
 const DOUBT: f32 = 1e-6;
-/// The same for a product of two such coordinates, per size of either; with the rounding of the products themselves
-/// (2⁻²³ of either times at most 4).
+/// The same for a difference of two products of such coordinates, per size of either corner: with the rounding of the
+/// products (2⁻²³ of one size times the other, which is at most 4 of both).
 const EDGE_DOUBT: f32 = 1.6e-6;
 
 /// Eight boxes, and what lies in each.

@@ -65,7 +65,10 @@ const RESERVED: &[(&str, &[&str])] = &[
     ("obvhs", &["scene/hierarchy.rs", "scene/wide.rs"]),
     ("rand", &["sampling/", "trial/"]),
     ("rayon", &["trial/", "calibration/", "eye/", "light/", "path/", "threads/", "report/plot/", "cli/"]),
-    ("pulp", &["number/eight.rs", "scene/hierarchy.rs", "scene/wide.rs", "estimator/"]),
+    (
+        "pulp",
+        &["number/eight.rs", "scene/hierarchy.rs", "scene/wide.rs", "estimator/", "light/trace.rs", "path/run.rs"],
+    ),
     ("plotters", &["report/plot/"]),
     ("csv", &["report/"]),
     ("toml", &["case/"]),
