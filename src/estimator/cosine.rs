@@ -12,9 +12,9 @@
 #![expect(clippy::needless_range_loop, reason = "one index over several rows is what the compiler makes vectors of")]
 
 use super::draws::{hemisphere_key, mean};
-use super::width::{Arch, NullaryFnOnce};
 use super::{Estimator, Job, Scratch};
 use crate::configuration::{Configuration, Source};
+use crate::number::{Machine, Registers, Work};
 use crate::sampling::{DirectionBlock, LANES, Squares, cosine_weighted, groups};
 use crate::scene::{Met, Surroundings};
 
@@ -22,7 +22,7 @@ use crate::scene::{Met, Surroundings};
 pub struct CosineEstimator {
     surroundings: Surroundings,
     sources: Vec<Source>,
-    arch: Arch,
+    machine: Machine,
 }
 
 impl CosineEstimator {
@@ -31,7 +31,7 @@ impl CosineEstimator {
         CosineEstimator {
             surroundings: Surroundings::new(configuration),
             sources: configuration.sources().to_vec(),
-            arch: Arch::new(),
+            machine: Machine::new(),
         }
     }
 }
@@ -43,7 +43,7 @@ impl Estimator for CosineEstimator {
     }
 
     fn estimate(&self, job: &Job, _: &mut Scratch, estimates: &mut [f64]) {
-        self.arch.dispatch(Estimate { estimator: self, job, estimates });
+        self.machine.run(Estimate { estimator: self, job, estimates });
     }
 }
 
@@ -53,11 +53,11 @@ struct Estimate<'a, 'b> {
     estimates: &'a mut [f64],
 }
 
-impl NullaryFnOnce for Estimate<'_, '_> {
+impl Work for Estimate<'_, '_> {
     type Output = ();
 
     #[inline(always)]
-    fn call(self) {
+    fn run<R: Registers>(self, _: R) {
         let Estimate { estimator: CosineEstimator { surroundings, sources, .. }, job, estimates } = self;
         estimates.fill(0.0);
         let replicates = (job.replicates.end - job.replicates.start) as usize;
@@ -93,8 +93,9 @@ mod tests {
 
     #[test]
     fn instruction_sets_move_no_bit() {
-        crate::estimator::tests::same_bits(Strategy::Cosine, |room| {
-            [Arch::new(), Arch::Scalar].map(|arch| CosineEstimator { arch, ..CosineEstimator::new(room) })
+        crate::estimator::tests::same_bits(Strategy::Cosine, |room, machine| CosineEstimator {
+            machine,
+            ..CosineEstimator::new(room)
         });
     }
 }

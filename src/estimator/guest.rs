@@ -215,6 +215,7 @@ impl Estimator for GuestPoints<'_> {
     fn estimate(&self, job: &Job, _: &mut Scratch, estimates: &mut [f64]) {
         estimates.fill(0.0);
         let replicates = (job.replicates.end - job.replicates.start) as usize;
+        let machine = Machine::new();
         // A set comes whole, whatever it takes; blocks keep the rest small.
         let mut points = vec![[0.0; 2]; job.samples as usize];
         let (mut squares, mut places, mut shading) =
@@ -229,8 +230,8 @@ impl Estimator for GuestPoints<'_> {
                         for ((u, v), point) in coordinates.zip(block) {
                             (*u, *v) = (point[0], point[1]);
                         }
-                        emitter.place(Machine::new(), &squares, block.len(), &mut places);
-                        emitter.illuminate(Machine::new(), &job.points[p], &places, block.len(), &mut shading);
+                        emitter.place(machine, &squares, block.len(), &mut places);
+                        emitter.illuminate(machine, &job.points[p], &places, block.len(), &mut shading);
                         emitter.weigh(&places, block.len(), &mut shading);
                         for k in 0..block.len() {
                             sum[k % LANES] += shading.contribution(k / LANES, k % LANES);

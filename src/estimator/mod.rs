@@ -14,8 +14,6 @@ mod guest;
 mod mixture;
 #[cfg(feature = "studies")]
 mod solid_angle;
-#[cfg(feature = "studies")]
-mod width;
 
 use std::ops::Range;
 
@@ -76,6 +74,7 @@ mod tests {
     use super::*;
     use crate::configuration::{Arrangement, Source};
     use crate::geometry::{DVec3, Disk, Mesh, Polygon, Rectangle, Shape, Sphere};
+    use crate::number::Machine;
     use crate::radiometry::Exitance;
 
     /// Sources and occluders of every kind.
@@ -99,18 +98,19 @@ mod tests {
     }
 
     /// Estimators that differ in their instruction set only give the same bits.
-    pub(super) fn same_bits<E: Estimator>(strategy: Strategy, make: impl Fn(&Configuration) -> [E; 2]) {
+    pub(super) fn same_bits<E: Estimator>(strategy: Strategy, make: impl Fn(&Configuration, Machine) -> E) {
         let room = room();
-        let estimators = make(&room);
         for samples in [1, 5, 8, 300] {
             let cell = StreamKey::root(samples);
             let job = Job { strategy, samples, cell, replicates: 0..40, points: room.points() };
-            let [one, other] = estimators.each_ref().map(|estimator| {
+            let bits = |machine: Machine| {
                 let mut estimates = vec![f64::NAN; 3 * 40];
-                estimator.estimate(&job, &mut Scratch::default(), &mut estimates);
+                make(&room, machine).estimate(&job, &mut Scratch::default(), &mut estimates);
                 estimates.into_iter().map(f64::to_bits).collect::<Vec<_>>()
-            });
-            assert_eq!(one, other, "{strategy} N = {samples}");
+            };
+            for machine in Machine::all() {
+                assert_eq!(bits(machine), bits(Machine::Any), "{strategy} N = {samples}, {machine:?}");
+            }
         }
     }
 }

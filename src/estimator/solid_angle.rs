@@ -17,10 +17,9 @@ use glam::DVec3;
 
 use super::draws::{mean, source_key};
 use super::emitter::uniform_exitance;
-use super::width::{Arch, NullaryFnOnce};
 use super::{Estimator, Job, Scratch};
 use crate::configuration::{Configuration, MeasurementPoint};
-use crate::number::Machine;
+use crate::number::{Machine, Registers, Work};
 use crate::sampling::{BLOCK, DirectionBlock, LANES, Row, Silhouette, Squares, View, groups};
 use crate::scene::{Blocker, ShadowRays, Surroundings};
 use crate::texture::Texture;
@@ -28,7 +27,7 @@ use crate::texture::Texture;
 /// Estimates irradiance by directions towards the sources.
 pub struct SolidAngleEstimator {
     emitters: Vec<Emitter>,
-    arch: Arch,
+    machine: Machine,
 }
 
 /// A source, and what can come between it and a shading point.
@@ -50,7 +49,7 @@ impl SolidAngleEstimator {
             texture: source.texture().cloned(),
             blockers: surroundings.before(own),
         });
-        SolidAngleEstimator { emitters: emitters.collect(), arch: Arch::new() }
+        SolidAngleEstimator { emitters: emitters.collect(), machine: Machine::new() }
     }
 }
 
@@ -60,22 +59,22 @@ impl Estimator for SolidAngleEstimator {
     }
 
     fn estimate(&self, job: &Job, _: &mut Scratch, estimates: &mut [f64]) {
-        self.arch.dispatch(Estimate { emitters: &self.emitters, job, estimates });
+        self.machine.run(Estimate { estimator: self, job, estimates });
     }
 }
 
 struct Estimate<'a, 'b> {
-    emitters: &'a [Emitter],
+    estimator: &'a SolidAngleEstimator,
     job: &'a Job<'b>,
     estimates: &'a mut [f64],
 }
 
-impl NullaryFnOnce for Estimate<'_, '_> {
+impl Work for Estimate<'_, '_> {
     type Output = ();
 
     #[inline(always)]
-    fn call(self) {
-        let Estimate { emitters, job, estimates } = self;
+    fn run<R: Registers>(self, _: R) {
+        let Estimate { estimator: SolidAngleEstimator { emitters, machine }, job, estimates } = self;
         estimates.fill(0.0);
         let replicates = (job.replicates.end - job.replicates.start) as usize;
         if replicates == 0 {
@@ -93,7 +92,7 @@ impl NullaryFnOnce for Estimate<'_, '_> {
                     let key = source_key(job, replicate, p, source);
                     *estimate += strength
                         * mean(job, key, &mut squares, |squares, len, brought| {
-                            aim.shoot(emitter, point, squares, len, brought);
+                            aim.shoot(*machine, emitter, point, squares, len, brought);
                         });
                 }
             }
@@ -123,6 +122,7 @@ impl Aim {
     #[inline(always)]
     fn shoot(
         &mut self,
+        machine: Machine,
         emitter: &Emitter,
         point: &MeasurementPoint,
         squares: &Squares,
@@ -142,7 +142,7 @@ impl Aim {
             }
         }
         for blocker in &emitter.blockers {
-            blocker.shade_on(Machine::new(), point.position(), rays, len, brought);
+            blocker.shade_on(machine, point.position(), rays, len, brought);
         }
         if let Some(texture) = &emitter.texture {
             for (g, brought) in brought.iter_mut().enumerate().take(groups(len)) {
@@ -164,8 +164,9 @@ mod tests {
 
     #[test]
     fn instruction_sets_move_no_bit() {
-        crate::estimator::tests::same_bits(Strategy::SolidAngle, |room| {
-            [Arch::new(), Arch::Scalar].map(|arch| SolidAngleEstimator { arch, ..SolidAngleEstimator::new(room) })
+        crate::estimator::tests::same_bits(Strategy::SolidAngle, |room, machine| SolidAngleEstimator {
+            machine,
+            ..SolidAngleEstimator::new(room)
         });
     }
 }

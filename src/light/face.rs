@@ -298,6 +298,24 @@ fn quadratic(a: f64, b: f64, c: f64, starts_here: bool) -> [f64; 2] {
 mod tests {
     use super::*;
 
+    #[test]
+    fn the_way_ahead_to_a_ball_is_the_nearer_meeting_or_none() {
+        let mut met = 0;
+        for k in 0..4096_u32 {
+            // Around the ball on all sides, from beside its surface to far away, aimed at it and past it.
+            let turn = |i: u32| 2.399 * f64::from(k * i % 4099);
+            let (z, azimuth) = (turn(1).sin(), turn(3));
+            let offset = DVec3::new(azimuth.cos(), azimuth.sin(), z) * (1.6 + 3.0 * f64::from(k % 7));
+            let aim = DVec3::new(turn(5).cos(), turn(7).sin(), turn(11).cos()) * 1.2;
+            let direction = if k % 9 == 0 { offset } else { aim - offset }.normalize();
+            let [near, far] = ball(offset, direction, 1.3, false);
+            let ahead = (near > 0.0 && far.is_finite()).then_some(near);
+            assert_eq!(ball_ahead(offset, direction, 1.3), ahead, "from {offset} along {direction}");
+            met += u32::from(ahead.is_some());
+        }
+        assert!((1000..3500).contains(&met), "both outcomes are common: {met}");
+    }
+
     /// Each curved shape, with points of it and how far they are off.
     #[test]
     fn meetings_lie_on_the_surface_and_chords_come_back() {

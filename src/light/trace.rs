@@ -1,6 +1,5 @@
 //! One run: batches of rays, each a pure function of its key, joined in their order.
 
-use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
 use super::chain::Tracer;
@@ -13,6 +12,7 @@ use super::settings::LightSettings;
 use super::tally::Tally;
 use crate::configuration::Configuration;
 use crate::geometry::TexelGrid;
+use crate::number::{Machine, Registers, Work};
 use crate::sampling::StreamKey;
 
 /// Rays of a batch, about: a unit of work, and of memory.
@@ -70,7 +70,7 @@ pub struct LightTracer {
     settings: LightSettings,
     source_power: f64,
     root: StreamKey,
-    arch: Arch,
+    machine: Machine,
 }
 
 impl LightTracer {
@@ -95,7 +95,7 @@ impl LightTracer {
             settings: LightSettings { rings, tiles, ..settings.clone() },
             source_power: source_power.value(),
             root: StreamKey::root(seed).with(configuration.digest().key()).with(PURPOSE),
-            arch: Arch::new(),
+            machine: Machine::new(),
         }
     }
 
@@ -183,7 +183,7 @@ impl LightTracer {
         let mut tally = self.tally();
         // One source text, compiled for each instruction set and chosen at run time. Rust never fuses a multiplication
         // and an addition by itself, so the set changes the speed and no bit.
-        self.arch.dispatch(Batch { of: self, batch, groups, n_groups, tally: &mut tally });
+        self.machine.run(Batch { of: self, batch, groups, n_groups, tally: &mut tally });
         tally
     }
 
@@ -214,11 +214,11 @@ struct Batch<'a> {
     tally: &'a mut Tally,
 }
 
-impl NullaryFnOnce for Batch<'_> {
+impl Work for Batch<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn call(self) {
+    fn run<R: Registers>(self, _: R) {
         let Batch { of, batch, groups, n_groups, tally } = self;
         let mut draws = Draws::new(of.root.with(batch));
         let tracer = Tracer::new(&of.room, &of.landings, &of.settings);

@@ -1,6 +1,5 @@
 //! Many paths: batches, each a pure function of its key, joined in their order.
 
-use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
 use super::settings::{Part, PathSettings};
@@ -9,6 +8,7 @@ use super::walk::{AsItIs, Found, Place, Walker, Weighing};
 use crate::configuration::{Configuration, Lamp};
 use crate::geometry::DVec3;
 use crate::light::{Draws, LightSettings, Moments, Ray, Room, Split, Start, Tally, Tracer};
+use crate::number::{Machine, Registers, Work};
 use crate::sampling::{StreamKey, Surface};
 
 /// Paths of a batch from each place: a unit of work.
@@ -95,7 +95,7 @@ pub struct PathTracer {
     receiver: Option<(Surface, Start)>,
     settings: PathSettings,
     root: StreamKey,
-    arch: Arch,
+    machine: Machine,
 }
 
 impl PathTracer {
@@ -119,7 +119,7 @@ impl PathTracer {
             receiver,
             settings: *settings,
             root: root.with(u64::from(settings.next_event)),
-            arch: Arch::new(),
+            machine: Machine::new(),
             room,
         }
     }
@@ -170,7 +170,7 @@ impl PathTracer {
             let round = first..(first + BATCHES_A_ROUND).min(n_batches);
             // One source text, compiled for each instruction set and chosen at run time, as for rays from the light.
             let batch =
-                |k: u64| self.arch.dispatch(Batch { of: self, key: root.with(k), places, weighing, place: &place });
+                |k: u64| self.machine.run(Batch { of: self, key: root.with(k), places, weighing, place: &place });
             let done: Vec<PathRun> = round.into_par_iter().map(batch).collect();
             done.iter().for_each(|run| total.merge(run));
         }
@@ -187,11 +187,11 @@ struct Batch<'a, W: Weighing, P: Fn(usize, &mut Draws) -> Place> {
     place: &'a P,
 }
 
-impl<W: Weighing, P: Fn(usize, &mut Draws) -> Place> NullaryFnOnce for Batch<'_, W, P> {
+impl<W: Weighing, P: Fn(usize, &mut Draws) -> Place> Work for Batch<'_, W, P> {
     type Output = PathRun;
 
     #[inline(always)]
-    fn call(self) -> PathRun {
+    fn run<R: Registers>(self, _: R) -> PathRun {
         let Batch { of, key, places, weighing, place } = self;
         let mut run = PathRun::new(places);
         let mut draws = Draws::new(key);

@@ -47,7 +47,7 @@ pub(super) struct Pack {
 
 /// A ray in f32, as boxes and packs are asked about it.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Slabs {
+pub(super) struct SingleRay {
     origin: [f32; 3],
     inverse: [f32; 3],
     /// Which of a node's sides is met first along each axis.
@@ -59,11 +59,11 @@ pub(super) struct Slabs {
     shear: [f32; 2],
 }
 
-impl Slabs {
+impl SingleRay {
     /// - `smallest`: a part of the direction below this is taken for it
     /// - `end`: how far the ray goes, in its own length
     #[inline(always)]
-    pub(super) fn new(origin: [f32; 3], direction: [f32; 3], smallest: f32, end: f32) -> Slabs {
+    pub(super) fn new(origin: [f32; 3], direction: [f32; 3], smallest: f32, end: f32) -> SingleRay {
         let (mut inverse, mut near) = ([0.0; 3], [0; 3]);
         for axis in 0..3 {
             let along = direction[axis];
@@ -79,7 +79,7 @@ impl Slabs {
             [0, 1, 2]
         };
         let shear = [direction[axes[0]] * inverse[axes[2]], direction[axes[1]] * inverse[axes[2]]];
-        Slabs { origin, inverse, near, end, axes, shear }
+        SingleRay { origin, inverse, near, end, axes, shear }
     }
 }
 
@@ -95,11 +95,11 @@ pub(super) struct Known {
 /// What is asked of a node and of a pack, on one instruction set.
 pub(super) trait Boxes: Copy {
     /// One bit for each box that the ray may meet.
-    fn boxes(self, node: &Node, slabs: &Slabs) -> u32;
+    fn boxes(self, node: &Node, ray: &SingleRay) -> u32;
     /// The children with a bit, moved to the front.
-    fn gathered(self, children: &[u32; WIDTH], bits: u32) -> [u32; WIDTH];
+    fn to_the_front(self, children: &[u32; WIDTH], bits: u32) -> [u32; WIDTH];
     /// What can be said without f64.
-    fn triangles(self, pack: &Pack, slabs: &Slabs) -> Known;
+    fn triangles(self, pack: &Pack, ray: &SingleRay) -> Known;
 }
 
 /// Any machine.
@@ -108,13 +108,13 @@ pub(super) struct Portable;
 
 impl Boxes for Portable {
     #[inline(always)]
-    fn boxes(self, node: &Node, slabs: &Slabs) -> u32 {
-        let (mut enters, mut leaves) = ([0.0_f32; WIDTH], [slabs.end; WIDTH]);
+    fn boxes(self, node: &Node, ray: &SingleRay) -> u32 {
+        let (mut enters, mut leaves) = ([0.0_f32; WIDTH], [ray.end; WIDTH]);
         for axis in 0..3 {
-            let (near, far) = (&node.sides[slabs.near[axis]], &node.sides[slabs.near[axis] ^ 1]);
+            let (near, far) = (&node.sides[ray.near[axis]], &node.sides[ray.near[axis] ^ 1]);
             for k in 0..WIDTH {
-                let enter = (near[k] - slabs.origin[axis]) * slabs.inverse[axis];
-                let leave = (far[k] - slabs.origin[axis]) * slabs.inverse[axis];
+                let enter = (near[k] - ray.origin[axis]) * ray.inverse[axis];
+                let leave = (far[k] - ray.origin[axis]) * ray.inverse[axis];
                 enters[k] = if enter > enters[k] { enter } else { enters[k] };
                 leaves[k] = if leave < leaves[k] { leave } else { leaves[k] };
             }
@@ -123,12 +123,12 @@ impl Boxes for Portable {
     }
 
     #[inline(always)]
-    fn gathered(self, children: &[u32; WIDTH], bits: u32) -> [u32; WIDTH] {
+    fn to_the_front(self, children: &[u32; WIDTH], bits: u32) -> [u32; WIDTH] {
         ORDERS[bits as usize & 0xff].map(|k| children[k as usize])
     }
 
     #[inline(always)]
-    fn triangles(self, _: &Pack, _: &Slabs) -> Known {
+    fn triangles(self, _: &Pack, _: &SingleRay) -> Known {
         Known { open: 0xff, sure: 0 }
     }
 }
@@ -157,13 +157,13 @@ const fn orders() -> [[u8; WIDTH]; 256] {
 #[cfg(target_arch = "x86_64")]
 impl Boxes for pulp::x86::V3 {
     #[inline(always)]
-    fn boxes(self, node: &Node, slabs: &Slabs) -> u32 {
+    fn boxes(self, node: &Node, ray: &SingleRay) -> u32 {
         use pulp::{Simd, cast, f32x8};
-        let (mut enters, mut leaves) = (self.splat_f32s(0.0), self.splat_f32s(slabs.end));
+        let (mut enters, mut leaves) = (self.splat_f32s(0.0), self.splat_f32s(ray.end));
         for axis in 0..3 {
-            let (origin, inverse) = (self.splat_f32s(slabs.origin[axis]), self.splat_f32s(slabs.inverse[axis]));
-            let near: f32x8 = cast(node.sides[slabs.near[axis]]);
-            let far: f32x8 = cast(node.sides[slabs.near[axis] ^ 1]);
+            let (origin, inverse) = (self.splat_f32s(ray.origin[axis]), self.splat_f32s(ray.inverse[axis]));
+            let near: f32x8 = cast(node.sides[ray.near[axis]]);
+            let far: f32x8 = cast(node.sides[ray.near[axis] ^ 1]);
             enters = self.max_f32s(self.mul_f32s(self.sub_f32s(near, origin), inverse), enters);
             leaves = self.min_f32s(self.mul_f32s(self.sub_f32s(far, origin), inverse), leaves);
         }
@@ -171,7 +171,7 @@ impl Boxes for pulp::x86::V3 {
     }
 
     #[inline(always)]
-    fn gathered(self, children: &[u32; WIDTH], bits: u32) -> [u32; WIDTH] {
+    fn to_the_front(self, children: &[u32; WIDTH], bits: u32) -> [u32; WIDTH] {
         use pulp::cast;
         let order = u64::from_le_bytes(ORDERS[bits as usize & 0xff]);
         let order = self.avx2._mm256_cvtepu8_epi32(cast([order, 0]));
@@ -179,11 +179,11 @@ impl Boxes for pulp::x86::V3 {
     }
 
     #[inline(always)]
-    fn triangles(self, pack: &Pack, slabs: &Slabs) -> Known {
+    fn triangles(self, pack: &Pack, ray: &SingleRay) -> Known {
         use pulp::{Simd, cast};
-        let a = sheared(self, &pack.corners[0], slabs);
-        let b = sheared(self, &pack.corners[1], slabs);
-        let c = sheared(self, &pack.corners[2], slabs);
+        let a = sheared(self, &pack.corners[0], ray);
+        let b = sheared(self, &pack.corners[1], ray);
+        let c = sheared(self, &pack.corners[2], ray);
         let u = self.sub_f32s(self.mul_f32s(c[0], b[1]), self.mul_f32s(c[1], b[0]));
         let v = self.sub_f32s(self.mul_f32s(a[0], c[1]), self.mul_f32s(a[1], c[0]));
         let w = self.sub_f32s(self.mul_f32s(b[0], a[1]), self.mul_f32s(b[1], a[0]));
@@ -208,7 +208,7 @@ impl Boxes for pulp::x86::V3 {
         let all_right = self.and_m32s(self.and_m32s(u_right, v_right), w_right);
         let inside = self.or_m32s(all_left, all_right);
         // All three corners between the ends, by more than they may be off.
-        let inverse = slabs.inverse[slabs.axes[2]];
+        let inverse = ray.inverse[ray.axes[2]];
         let margin = 2.0 * DOUBT * inverse.abs();
         let (low, high) = (self.splat_f32s(margin), self.splat_f32s(1.0 - margin));
         let scale = self.splat_f32s(inverse);
@@ -224,13 +224,13 @@ impl Boxes for pulp::x86::V3 {
 /// Eight corners as the ray sees them: across it, and along it.
 #[cfg(target_arch = "x86_64")]
 #[inline(always)]
-fn sheared(registers: pulp::x86::V3, corners: &[[f32; WIDTH]; 3], slabs: &Slabs) -> [pulp::f32x8; 3] {
+fn sheared(registers: pulp::x86::V3, corners: &[[f32; WIDTH]; 3], ray: &SingleRay) -> [pulp::f32x8; 3] {
     use pulp::{Simd, cast, f32x8};
-    let [x, y, z] = slabs.axes;
-    let along: f32x8 = registers.sub_f32s(cast(corners[z]), registers.splat_f32s(slabs.origin[z]));
-    let first: f32x8 = registers.sub_f32s(cast(corners[x]), registers.splat_f32s(slabs.origin[x]));
-    let second: f32x8 = registers.sub_f32s(cast(corners[y]), registers.splat_f32s(slabs.origin[y]));
-    let shear = [registers.splat_f32s(slabs.shear[0]), registers.splat_f32s(slabs.shear[1])];
+    let [x, y, z] = ray.axes;
+    let along: f32x8 = registers.sub_f32s(cast(corners[z]), registers.splat_f32s(ray.origin[z]));
+    let first: f32x8 = registers.sub_f32s(cast(corners[x]), registers.splat_f32s(ray.origin[x]));
+    let second: f32x8 = registers.sub_f32s(cast(corners[y]), registers.splat_f32s(ray.origin[y]));
+    let shear = [registers.splat_f32s(ray.shear[0]), registers.splat_f32s(ray.shear[1])];
     [
         registers.sub_f32s(first, registers.mul_f32s(shear[0], along)),
         registers.sub_f32s(second, registers.mul_f32s(shear[1], along)),
@@ -261,14 +261,14 @@ impl Wide {
         let mut open = vec![(0_usize, 0_usize)];
         let mut own = Vec::new();
         while let Some((binary, place)) = open.pop() {
-            for (k, below) in gathered(bvh, binary).into_iter().enumerate() {
+            for (k, below) in children_of(bvh, binary).into_iter().enumerate() {
                 let aabb = bvh.nodes[below].aabb();
                 for axis in 0..3 {
                     wide.nodes[place].sides[2 * axis][k] = aabb.min[axis];
                     wide.nodes[place].sides[2 * axis + 1][k] = aabb.max[axis];
                 }
                 own.clear();
-                wide.nodes[place].children[k] = if few(bvh, below, &mut own) {
+                wide.nodes[place].children[k] = if goes_into_packs(bvh, below, &mut own) {
                     let own =
                         own.iter().map(|place| mesh.triangles()[bvh.primitive_indices[*place as usize] as usize]);
                     wide.pack(own.collect(), middle, scale)
@@ -316,14 +316,14 @@ impl Wide {
     /// In each round every ray visits one node; the packs that were found are looked at when the round is over. What a visit
     /// finds is queued without a branch on it, so that the machine neither waits for one ray nor guesses its way.
     ///
-    /// - `slabs`: of each ray that has an end
+    /// - `rays`: each ray that has an end
     #[inline(always)]
     pub(super) fn block<R: Boxes, const N: usize>(
         &self,
         registers: R,
         from: DVec3,
         to: &mut [Option<DVec3>; N],
-        slabs: &[Slabs; N],
+        rays: &[SingleRay; N],
     ) {
         // Each ray's nodes still to be visited, the root first.
         let (mut nodes, mut left) = ([[0_u32; ROOM]; N], [1_usize; N]);
@@ -340,21 +340,21 @@ impl Wide {
                 left[at] -= 1;
                 let place = nodes[at][left[at] % ROOM];
                 let node = &self.nodes[place as usize];
-                let met = registers.boxes(node, &slabs[at]);
+                let met = registers.boxes(node, &rays[at]);
                 let (inner, outer) = (met & node.nodes, met & !node.nodes);
                 match nodes[at][left[at] % ROOM..].first_chunk_mut() {
                     Some(free) => {
-                        *free = registers.gathered(&node.children, inner);
+                        *free = registers.to_the_front(&node.children, inner);
                         left[at] += inner.count_ones() as usize;
                     }
                     // More levels than there is room for: by itself, to the end.
                     None => {
-                        if to[at].is_some_and(|end| self.blocks_below(place, &slabs[at], from, end)) {
+                        if to[at].is_some_and(|end| self.blocks_below(place, &rays[at], from, end)) {
                             to[at] = None;
                         }
                     }
                 }
-                packs[n_found] = registers.gathered(&node.children, outer);
+                packs[n_found] = registers.to_the_front(&node.children, outer);
                 packs_of[n_found] = ray;
                 found[n_found] = outer.count_ones();
                 n_found += usize::from(outer != 0);
@@ -365,7 +365,7 @@ impl Wide {
                 for child in packs[k].into_iter().take(found[k] as usize) {
                     let (first, count) = (child & ((1 << COUNT_SHIFT) - 1), (child & !LEAF) >> COUNT_SHIFT);
                     for pack in first..first + count {
-                        if self.pack_blocks(registers, pack, &slabs[at], from, end) {
+                        if self.pack_blocks(registers, pack, &rays[at], from, end) {
                             to[at] = None;
                             break;
                         }
@@ -385,18 +385,18 @@ impl Wide {
 
     /// Whether anything below a node blocks a segment, however deep that is.
     #[cold]
-    pub(super) fn blocks_below(&self, node: u32, slabs: &Slabs, from: DVec3, to: DVec3) -> bool {
+    pub(super) fn blocks_below(&self, node: u32, ray: &SingleRay, from: DVec3, to: DVec3) -> bool {
         let mut open = vec![node];
         while let Some(place) = open.pop() {
             let node = &self.nodes[place as usize];
-            let met = Portable.boxes(node, slabs);
+            let met = Portable.boxes(node, ray);
             for (k, child) in node.children.into_iter().enumerate().filter(|(k, _)| met >> k & 1 == 1) {
                 if node.nodes >> k & 1 == 1 {
                     open.push(child);
                     continue;
                 }
                 let (first, count) = (child & ((1 << COUNT_SHIFT) - 1), (child & !LEAF) >> COUNT_SHIFT);
-                if (first..first + count).any(|pack| self.pack_blocks(Portable, pack, slabs, from, to)) {
+                if (first..first + count).any(|pack| self.pack_blocks(Portable, pack, ray, from, to)) {
                     return true;
                 }
             }
@@ -406,15 +406,15 @@ impl Wide {
 
     /// Whether a triangle of a pack blocks a segment.
     #[inline(always)]
-    fn pack_blocks<R: Boxes>(&self, registers: R, pack: u32, slabs: &Slabs, from: DVec3, to: DVec3) -> bool {
-        let known = registers.triangles(&self.packs[pack as usize], slabs);
-        known.open != 0 && (known.sure != 0 || self.settled(pack, known.open, from, to))
+    fn pack_blocks<R: Boxes>(&self, registers: R, pack: u32, ray: &SingleRay, from: DVec3, to: DVec3) -> bool {
+        let known = registers.triangles(&self.packs[pack as usize], ray);
+        known.open != 0 && (known.sure != 0 || self.blocks_in_f64(pack, known.open, from, to))
     }
 
     /// Whether one of the triangles with a bit blocks a segment, in f64.
     #[cold]
     #[inline(never)]
-    fn settled(&self, pack: u32, open: u32, from: DVec3, to: DVec3) -> bool {
+    fn blocks_in_f64(&self, pack: u32, open: u32, from: DVec3, to: DVec3) -> bool {
         let Some(segment) = Segment::new(from, to) else { return false };
         let faces = &self.faces[pack as usize * WIDTH..][..WIDTH];
         let mut open = (0..WIDTH).filter(|k| open >> k & 1 == 1);
@@ -432,7 +432,7 @@ impl Node {
 
 /// A binary node's descendants that become the children of a wide one: the widest boxes are opened first. Children are
 /// visited last to first, so the widest comes last.
-fn gathered(bvh: &Bvh2, binary: usize) -> Vec<usize> {
+fn children_of(bvh: &Bvh2, binary: usize) -> Vec<usize> {
     let node = &bvh.nodes[binary];
     if node.is_leaf() {
         return vec![binary];
@@ -441,7 +441,7 @@ fn gathered(bvh: &Bvh2, binary: usize) -> Vec<usize> {
     let first = node.first_index as usize;
     let mut children = vec![first, first + 1];
     while children.len() < WIDTH {
-        let open = children.iter().enumerate().filter(|(_, child)| !few(bvh, **child, &mut Vec::new()));
+        let open = children.iter().enumerate().filter(|(_, child)| !goes_into_packs(bvh, **child, &mut Vec::new()));
         let Some((k, widest)) = open.max_by(|(_, a), (_, b)| area(**a).total_cmp(&area(**b))) else { break };
         let first = bvh.nodes[*widest].first_index as usize;
         children[k] = first;
@@ -453,7 +453,7 @@ fn gathered(bvh: &Bvh2, binary: usize) -> Vec<usize> {
 
 /// Whether what lies below a binary node goes into packs: a leaf does, and what fills one pack at most. Gives their places
 /// in the order of the leaves.
-fn few(bvh: &Bvh2, node: usize, own: &mut Vec<u32>) -> bool {
+fn goes_into_packs(bvh: &Bvh2, node: usize, own: &mut Vec<u32>) -> bool {
     let node = &bvh.nodes[node];
     let first = node.first_index;
     if node.is_leaf() {
@@ -461,6 +461,6 @@ fn few(bvh: &Bvh2, node: usize, own: &mut Vec<u32>) -> bool {
         return true;
     }
     own.len() < WIDTH
-        && [first, first + 1].into_iter().all(|child| few(bvh, child as usize, own))
+        && [first, first + 1].into_iter().all(|child| goes_into_packs(bvh, child as usize, own))
         && own.len() <= WIDTH
 }

@@ -65,10 +65,7 @@ const RESERVED: &[(&str, &[&str])] = &[
     ("obvhs", &["scene/hierarchy.rs", "scene/wide.rs"]),
     ("rand", &["sampling/", "trial/"]),
     ("rayon", &["trial/", "calibration/", "eye/", "light/", "path/", "threads/", "report/plot/", "cli/"]),
-    (
-        "pulp",
-        &["number/eight.rs", "scene/hierarchy.rs", "scene/wide.rs", "estimator/", "light/trace.rs", "path/run.rs"],
-    ),
+    ("pulp", &["number/eight.rs", "scene/hierarchy.rs", "scene/wide.rs"]),
     ("plotters", &["report/plot/"]),
     ("csv", &["report/"]),
     ("toml", &["case/"]),

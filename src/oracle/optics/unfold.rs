@@ -25,6 +25,9 @@ const CLEARANCE: f64 = 1e-9;
 /// A's corners to B's corners: so corners tell whether all pass through a convex mirror
 /// ```
 ///
+/// Error: none of its own; an image's place and size keep all but the last bits (below 1e-15 of the room's size), so direct
+/// light in the unfolded room is off by what [`crate::oracle`] states for it.
+///
 /// - `room`: one flat mirror, a receiver that is a rectangle, sources with area and without textures; else an error in words
 pub fn unfolded(room: &Configuration) -> Result<Configuration, OpticsError> {
     let refused = |said: String| Err(OpticsError::Configuration { said });

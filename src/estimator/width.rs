@@ -1,3 +1,0 @@
-//! How wide registers are is found at run time: inner loops are compiled for each width.
-
-pub(super) use pulp::{Arch, NullaryFnOnce};
