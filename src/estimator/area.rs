@@ -109,7 +109,7 @@ impl Place<'_> {
 
     /// One set of points for all shading points of a replicate.
     fn shared(&self, job: &Job, scratch: &mut Scratch, estimates: &mut [f64]) {
-        let Scratch { squares, places, shading, sums, .. } = scratch;
+        let Scratch { squares, places, exitances, shading, sums, .. } = scratch;
         for (r, replicate) in job.replicates.clone().enumerate() {
             let mut pattern = self.pattern(job, replicate, 0);
             sums.clear();
@@ -119,9 +119,10 @@ impl Place<'_> {
                 let len = left.min(BLOCK as u64) as usize;
                 pattern.fill_on(self.machine, squares, len);
                 self.emitter.place(self.machine, squares, len, places);
+                self.emitter.read(places, len, exitances);
                 for (point, sum) in job.points.iter().zip(sums.iter_mut()) {
                     self.emitter.illuminate(self.machine, point, places, len, shading);
-                    self.emitter.weigh(places, len, shading);
+                    self.emitter.weigh_by(self.machine, exitances, len, shading);
                     shading.add_to(self.machine, sum, len);
                 }
                 left -= len as u64;
@@ -153,20 +154,25 @@ impl Place<'_> {
     /// As many replicates of a small estimate as a block holds, side by side: the same numbers, bit for bit, as one by
     /// one, without the empty lanes.
     fn several_at_once<const N: usize>(&self, job: &Job, scratch: &mut Scratch, estimates: &mut [f64]) {
-        let Scratch { squares, places, shading, keys, .. } = scratch;
+        let Scratch { squares, places, exitances, shading, keys, .. } = scratch;
         for start in (0..self.stride).step_by(BLOCK / N) {
             let count = (self.stride - start).min(BLOCK / N);
             let first = job.replicates.start + start as u64;
             let replicates = first..first + count as u64;
             if job.strategy.shares_points() {
                 self.scatter::<N>(job, replicates.clone(), 0, keys, squares, places);
+                self.emitter.read(places, N * count, exitances);
             }
             for (p, point) in job.points.iter().enumerate() {
                 if !job.strategy.shares_points() {
                     self.scatter::<N>(job, replicates.clone(), p as u64 + 1, keys, squares, places);
                 }
                 self.emitter.illuminate(self.machine, point, places, N * count, shading);
-                self.emitter.weigh(places, N * count, shading);
+                if job.strategy.shares_points() {
+                    self.emitter.weigh_by(self.machine, exitances, N * count, shading);
+                } else {
+                    self.emitter.weigh(places, N * count, shading);
+                }
                 let row = &mut estimates[p * self.stride + start..][..count];
                 let (contributions, _) = shading.contributions.as_flattened().as_chunks::<N>();
                 for (estimate, lanes) in row.iter_mut().zip(contributions) {
@@ -263,6 +269,16 @@ mod tests {
                 Job { strategy, samples: 16, cell: StreamKey::root(1), replicates: 0..1, points: twice.points() };
             estimator.estimate(&job, &mut Scratch::default(), &mut out);
             assert_eq!(out[0] == out[1], strategy.shares_points(), "{strategy}");
+        }
+    }
+
+    #[test]
+    fn instruction_sets_move_no_bit() {
+        for strategy in by_area() {
+            crate::estimator::tests::same_bits(strategy, |room, machine| AreaEstimator {
+                machine,
+                ..AreaEstimator::new(room)
+            });
         }
     }
 

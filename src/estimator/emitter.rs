@@ -25,11 +25,22 @@ pub(super) struct Emitter {
 pub struct Scratch {
     pub(super) squares: Squares,
     pub(super) places: SurfaceBlock,
+    pub(super) exitances: Exitances,
     pub(super) shading: Shading,
     /// One sum of lanes for each point, where points are shared.
     pub(super) sums: Vec<[f64; LANES]>,
     /// Keys of estimates side by side.
     pub(super) keys: Vec<StreamKey>,
+}
+
+/// Exitance at the places of a block, W/m².
+#[repr(align(64))]
+pub(super) struct Exitances(Row);
+
+impl Default for Exitances {
+    fn default() -> Exitances {
+        Exitances([[0.0; LANES]; BLOCK / LANES])
+    }
 }
 
 /// Rays of one block from one point, and what each brings.
@@ -146,6 +157,43 @@ impl Emitter {
                     shading.contributions[g][l] *= self.texture_at(places, g, l);
                 }
             }
+        }
+    }
+
+    /// Reads the exitance at a block's places once, for all shading points that share them.
+    pub(super) fn read(&self, places: &SurfaceBlock, len: usize, exitances: &mut Exitances) {
+        if self.texture.is_none() {
+            return;
+        }
+        for g in 0..groups(len) {
+            for l in 0..LANES {
+                exitances.0[g][l] = self.texture_at(places, g, l);
+            }
+        }
+    }
+
+    /// As [`Emitter::weigh`], bit for bit, by what [`Emitter::read`] found.
+    pub(super) fn weigh_by(&self, machine: Machine, exitances: &Exitances, len: usize, shading: &mut Shading) {
+        if self.texture.is_some() {
+            machine.run(Weighed { exitances, contributions: &mut shading.contributions, len });
+        }
+    }
+}
+
+struct Weighed<'a> {
+    exitances: &'a Exitances,
+    contributions: &'a mut Row,
+    len: usize,
+}
+
+impl Work for Weighed<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<R: Registers>(self, registers: R) {
+        let exitances = &self.exitances.0[..groups(self.len)];
+        for (contributions, exitances) in self.contributions.iter_mut().zip(exitances) {
+            (Eight::load(registers, contributions) * Eight::load(registers, exitances)).store(contributions);
         }
     }
 }

@@ -16,10 +16,9 @@ use std::sync::Arc;
 
 use super::draws::{hemisphere_key, mean, source_key};
 use super::emitter::{Emitter, Shading, emitters, uniform_exitance};
-use super::width::{Arch, NullaryFnOnce};
 use super::{Estimator, Job, Scratch};
 use crate::configuration::{Configuration, MeasurementPoint};
-use crate::number::Machine;
+use crate::number::{Machine, Registers, Work};
 use crate::sampling::{DirectionBlock, Heuristic, LANES, Row, Squares, SurfaceBlock, cosine_weighted, groups};
 use crate::scene::{Met, Surroundings};
 use crate::texture::Texture;
@@ -29,7 +28,7 @@ pub struct MixtureEstimator {
     heuristic: Heuristic,
     sources: Vec<Source>,
     surroundings: Surroundings,
-    arch: Arch,
+    machine: Machine,
 }
 
 struct Source {
@@ -52,7 +51,7 @@ impl MixtureEstimator {
             area_over_pi: emitter.area() / PI,
             emitter,
         });
-        MixtureEstimator { heuristic, sources: sources.collect(), surroundings, arch: Arch::new() }
+        MixtureEstimator { heuristic, sources: sources.collect(), surroundings, machine: Machine::new() }
     }
 }
 
@@ -63,7 +62,7 @@ impl Estimator for MixtureEstimator {
     }
 
     fn estimate(&self, job: &Job, _: &mut Scratch, estimates: &mut [f64]) {
-        self.arch.dispatch(Estimate { estimator: self, job, estimates });
+        self.machine.run(Estimate { estimator: self, job, estimates });
     }
 }
 
@@ -75,32 +74,32 @@ struct Estimate<'a, 'b> {
 
 /// Working memory for a block.
 #[derive(Default)]
-struct Work {
+struct Scratchpad {
     places: SurfaceBlock,
     shading: Shading,
     directions: DirectionBlock,
     met: Met,
 }
 
-impl NullaryFnOnce for Estimate<'_, '_> {
+impl Work for Estimate<'_, '_> {
     type Output = ();
 
     #[inline(always)]
-    fn call(self) {
+    fn run<R: Registers>(self, _: R) {
         let Estimate { estimator, job, estimates } = self;
         estimates.fill(0.0);
         let replicates = (job.replicates.end - job.replicates.start) as usize;
         if replicates == 0 {
             return;
         }
-        let (mut squares, mut work) = (Squares::default(), Work::default());
+        let (mut squares, mut work) = (Squares::default(), Scratchpad::default());
         for (p, (point, row)) in job.points.iter().zip(estimates.chunks_exact_mut(replicates)).enumerate() {
             for (replicate, estimate) in job.replicates.clone().zip(row.iter_mut()) {
                 for (index, source) in estimator.sources.iter().enumerate() {
                     let key = source_key(job, replicate, p, index);
                     *estimate += source.exitance
                         * mean(job, key, &mut squares, |squares, len, brought| {
-                            source.by_area(estimator.heuristic, point, squares, len, &mut work, brought);
+                            source.by_area(estimator, point, squares, len, &mut work, brought);
                         });
                 }
                 *estimate += mean(job, hemisphere_key(job, replicate, p), &mut squares, |squares, len, brought| {
@@ -116,15 +115,16 @@ impl Source {
     #[inline(always)]
     fn by_area(
         &self,
-        heuristic: Heuristic,
+        estimator: &MixtureEstimator,
         point: &MeasurementPoint,
         squares: &Squares,
         len: usize,
-        work: &mut Work,
+        work: &mut Scratchpad,
         brought: &mut Row,
     ) {
-        self.emitter.place(Machine::new(), squares, len, &mut work.places);
-        self.emitter.illuminate(Machine::new(), point, &work.places, len, &mut work.shading);
+        let MixtureEstimator { heuristic, machine, .. } = *estimator;
+        self.emitter.place(machine, squares, len, &mut work.places);
+        self.emitter.illuminate(machine, point, &work.places, len, &mut work.shading);
         for g in 0..groups(len) {
             for l in 0..LANES {
                 // Finite, so that the product with a weight of zero is zero.
@@ -141,8 +141,15 @@ impl Source {
 impl MixtureEstimator {
     /// Sets what each direction brings to M w_c of the source that it meets first.
     #[inline(always)]
-    fn by_cosine(&self, point: &MeasurementPoint, squares: &Squares, len: usize, work: &mut Work, brought: &mut Row) {
-        let Work { directions, met, .. } = work;
+    fn by_cosine(
+        &self,
+        point: &MeasurementPoint,
+        squares: &Squares,
+        len: usize,
+        work: &mut Scratchpad,
+        brought: &mut Row,
+    ) {
+        let Scratchpad { directions, met, .. } = work;
         cosine_weighted(point.normal(), squares, len, directions);
         self.surroundings.first_met(point.position(), directions, len, met);
         for g in 0..groups(len) {
@@ -169,9 +176,9 @@ mod tests {
 
     #[test]
     fn instruction_sets_move_no_bit() {
-        crate::estimator::tests::same_bits(Strategy::MisPower, |room| {
-            [Arch::new(), Arch::Scalar]
-                .map(|arch| MixtureEstimator { arch, ..MixtureEstimator::new(room, Heuristic::Power) })
+        crate::estimator::tests::same_bits(Strategy::MisPower, |room, machine| MixtureEstimator {
+            machine,
+            ..MixtureEstimator::new(room, Heuristic::Power)
         });
     }
 }
