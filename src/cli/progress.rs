@@ -1,7 +1,7 @@
 //! A progress bar with rate and remaining time, on a terminal only.
 
+use std::collections::BTreeMap;
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicU64, Ordering};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
@@ -12,13 +12,13 @@ use crate::trial::Progress;
 pub struct Bar {
     bar: ProgressBar,
     state: Mutex<State>,
-    planned: AtomicU64,
-    traced: AtomicU64,
 }
 
+#[derive(Default)]
 struct State {
-    finished: u64,
-    started: bool,
+    done: u64,
+    /// Rays of the cases that are under way: planned so far, and traced.
+    under_way: BTreeMap<String, (u64, u64)>,
 }
 
 /// Steps of the bar for one case.
@@ -28,32 +28,38 @@ impl Bar {
     /// `indicatif` draws on stderr and hides itself where that is no terminal.
     pub fn new(cases: usize, quiet: bool) -> Bar {
         let bar = drawn(cases as u64 * STEPS, quiet);
-        let state = Mutex::new(State { finished: 0, started: false });
-        Bar { bar, state, planned: AtomicU64::new(0), traced: AtomicU64::new(0) }
+        Bar { bar, state: Mutex::default() }
     }
 
     /// Takes a message of the run; cheap enough for every unit of work.
     pub fn show(&self, progress: Progress) {
         let Ok(mut state) = self.state.lock() else { return };
         match progress {
-            Progress::Case(name) => {
-                state.finished += u64::from(state.started);
-                state.started = true;
-                self.planned.store(0, Ordering::Relaxed);
-                self.traced.store(0, Ordering::Relaxed);
-                self.bar.set_message(name.to_owned());
+            Progress::Begun(name) => {
+                state.under_way.insert(name.to_owned(), (0, 0));
             }
-            Progress::Planned(rays) => {
-                self.planned.fetch_add(rays, Ordering::Relaxed);
+            Progress::Planned { case, rays } => {
+                if let Some((planned, _)) = state.under_way.get_mut(case) {
+                    *planned += rays;
+                }
             }
-            Progress::Traced(rays) => {
-                self.traced.fetch_add(rays, Ordering::Relaxed);
+            Progress::Traced { case, rays } => {
+                if let Some((_, traced)) = state.under_way.get_mut(case) {
+                    *traced += rays;
+                }
+            }
+            Progress::Done(name) => {
+                state.under_way.remove(name);
+                state.done += 1;
             }
         }
-        let (planned, traced) = (self.planned.load(Ordering::Relaxed), self.traced.load(Ordering::Relaxed));
+        if let Progress::Begun(_) | Progress::Done(_) = progress {
+            let names: Vec<&str> = state.under_way.keys().map(String::as_str).collect();
+            self.bar.set_message(names.join(", "));
+        }
         // A case's plan grows while it runs, so its share may not run ahead of what is known.
-        let share = (STEPS * traced).checked_div(planned).unwrap_or(0).min(STEPS);
-        let position = state.finished * STEPS + share;
+        let share = |(planned, traced): &(u64, u64)| (STEPS * traced).checked_div(*planned).unwrap_or(0).min(STEPS);
+        let position = state.done * STEPS + state.under_way.values().map(share).sum::<u64>();
         if position > self.bar.position() {
             self.bar.set_position(position);
         }

@@ -4,6 +4,8 @@
 mod pool;
 
 pub(crate) use pool::map;
+#[cfg(feature = "studies")]
+pub(crate) use pool::side_by_side;
 
 #[cfg(test)]
 #[path = "scoped.rs"]
@@ -22,6 +24,38 @@ mod tests {
         for few in [&work[..0], &work[..1], &work[..2]] {
             assert_eq!(scoped::map(few, |k| k + 1), few.iter().map(|k| k + 1).collect::<Vec<_>>());
         }
+    }
+
+    #[cfg(feature = "studies")]
+    #[test]
+    fn lanes_share_the_threads_and_keep_the_order() {
+        let work: Vec<u64> = (1..40).collect();
+        let of = |n: &u64| {
+            let parts: Vec<u64> = (0..*n).collect();
+            map(&parts, |k| k * n).into_iter().sum::<u64>()
+        };
+        let due: Vec<u64> = work.iter().map(of).collect();
+        assert_eq!(side_by_side(&work, of), due);
+        assert_eq!(scoped::side_by_side(&work, of), due);
+        assert_eq!(side_by_side(&work[..1], of), due[..1]);
+        assert!(side_by_side(&work[..0], of).is_empty());
+    }
+
+    #[cfg(all(feature = "studies", feature = "fast"))]
+    #[test]
+    fn lanes_are_at_most_the_threads_there_are() {
+        for threads in 1..6 {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let shares = pool.install(|| side_by_side(&[(); 4], |()| rayon::current_num_threads()));
+            assert_eq!(shares, [(threads / 4).max(1); 4], "{threads}");
+        }
+    }
+
+    #[cfg(feature = "studies")]
+    #[test]
+    #[should_panic(expected = "the third")]
+    fn who_panics_in_a_lane_is_heard() {
+        side_by_side(&[1, 2, 3, 4], |k| assert!(*k != 3, "the third"));
     }
 
     #[test]

@@ -37,3 +37,9 @@ fn each(n: usize, work: &(dyn Fn(usize) + Sync)) {
         std::panic::resume_unwind(panic);
     }
 }
+
+/// What `of` makes of each item, one after the other: threads go to what is within.
+#[cfg(feature = "studies")]
+pub(crate) fn side_by_side<T: Sync, R: Send + Sync>(items: &[T], of: impl Fn(&T) -> R + Sync) -> Vec<R> {
+    items.iter().map(of).collect()
+}

@@ -15,7 +15,7 @@ use crate::oracle::{Oracle, Truth};
 use crate::sampling::{Strategy, Technique};
 
 /// Makes the estimator that is judged, for one configuration and technique.
-pub type Maker<'a> = dyn Fn(&Configuration, Technique) -> Box<dyn Estimator> + 'a;
+pub type Maker<'a> = dyn Fn(&Configuration, Technique) -> Box<dyn Estimator> + 'a + Sync;
 
 pub(super) struct Ready<'a> {
     pub case: &'a Case,

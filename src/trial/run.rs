@@ -27,6 +27,7 @@ use crate::sampling::{
     BLOCK, LANES, Lanes, Pattern, Purpose, Squares, Strategy, Stream, StreamKey, Surface, SurfaceBlock, Technique,
 };
 use crate::scene::Hierarchy;
+use crate::threads;
 
 /// Shadow rays that compare each mesh's hierarchy with brute force.
 const COMPARED_RAYS: u64 = 512;
@@ -34,12 +35,14 @@ const COMPARED_RAYS: u64 = 512;
 /// What a run tells while it goes on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Progress<'a> {
-    /// A case begins; its name.
-    Case(&'a str),
-    /// A cell was planned to cost this many more shadow rays.
-    Planned(u64),
-    /// This many shadow rays were traced.
-    Traced(u64),
+    /// A case begins; its name. Several may be under way at a time.
+    Begun(&'a str),
+    /// A cell of a case was planned to cost this many more shadow rays.
+    Planned { case: &'a str, rays: u64 },
+    /// This many shadow rays of a case were traced.
+    Traced { case: &'a str, rays: u64 },
+    /// A case is done.
+    Done(&'a str),
 }
 
 /// Why a run ended without an outcome.
@@ -68,13 +71,13 @@ pub fn run_with(
     progress: &(dyn Fn(Progress) + Sync),
 ) -> Result<RunOutcome, TrialError> {
     let selectors: Vec<&str> = cases.iter().map(|case| case.selector.as_str()).collect();
-    let cases = cases
-        .iter()
-        .map(|case| {
-            progress(Progress::Case(&case.name));
-            run_case(case, settings, make, progress)
-        })
-        .collect::<Result<Vec<_>, _>>()?;
+    let outcomes = threads::side_by_side(cases, |case| {
+        progress(Progress::Begun(&case.name));
+        let outcome = run_case(case, settings, make, progress);
+        progress(Progress::Done(&case.name));
+        outcome
+    });
+    let cases = outcomes.into_iter().collect::<Result<Vec<_>, _>>()?;
     Ok(RunOutcome { seed: settings.seed, command: settings.command(&selectors, None), cases })
 }
 
@@ -159,7 +162,8 @@ pub(super) fn plans(
     strategy: Strategy,
     progress: &(dyn Fn(Progress) + Sync),
 ) -> Plans {
-    let traced = |rays: u64| progress(Progress::Traced(rays));
+    let case = prepared.case.name.as_str();
+    let traced = |rays: u64| progress(Progress::Traced { case, rays });
     let mut plans = Plans { cells: Vec::new(), pilot_rays: 0, pilot_seconds: 0.0 };
     for (index, samples) in study.samples.iter().enumerate() {
         let prediction = prepared.predictions.cell(strategy, study, index, &prepared.contrasts.weights);
@@ -169,7 +173,7 @@ pub(super) fn plans(
         }
         let replicates = pilot_replicates(*samples);
         let rays = rays_of(prepared, *samples, replicates);
-        progress(Progress::Planned(rays));
+        progress(Progress::Planned { case, rays });
         let pilot = measure(prepared, Purpose::Pilot, strategy, *samples, replicates, &traced);
         plans.pilot_rays += rays;
         plans.pilot_seconds += pilot.seconds;
@@ -185,10 +189,11 @@ fn run_strategy(
     reproduce: String,
     progress: &(dyn Fn(Progress) + Sync),
 ) -> StrategyOutcome {
-    let traced = |rays: u64| progress(Progress::Traced(rays));
+    let case = prepared.case.name.as_str();
+    let traced = |rays: u64| progress(Progress::Traced { case, rays });
     let Plans { cells: plans, pilot_rays, pilot_seconds } = plans(prepared, study, strategy, progress);
     for plan in &plans {
-        progress(Progress::Planned(rays_of(prepared, plan.samples, plan.replicates)));
+        progress(Progress::Planned { case, rays: rays_of(prepared, plan.samples, plan.replicates) });
     }
     let cells: Vec<CellSums> = plans
         .iter()
