@@ -17,8 +17,7 @@ use crate::configuration::{Configuration, ReceiverShape};
 use crate::geometry::{Texel, TexelGrid};
 use crate::light::{Light, LightRun, LightSettings, Moments, Sum, TexelMap, trace};
 use crate::oracle::optics::{
-    Bounded, CausticLayout, CupLayout, deposited_power, power_by_flat_mirror, power_by_lampshade,
-    power_through_two_spheres,
+    Bounded, CausticLayout, CupLayout, deposited_power, power_by_lampshade, power_through_two_spheres,
 };
 use crate::statistics::evidence::{THRESHOLD_LOG10, ln_average, log10_capped, smallest_shift};
 use crate::statistics::interval::Z_95;
@@ -61,16 +60,16 @@ pub(super) fn light(
     for rays in [most.div_ceil(16), most.div_ceil(4), most] {
         let settings = LightSettings { rays, ..case.light.clone() };
         let run = trace(room, &settings, seed);
-        rows.push(row(&run, room, due));
+        rows.push(row(&run, room, due.all));
         texels.extend(map_error::rows(&run, &squares));
         last = Some(run);
     }
     let run = last?;
     let seconds = start.elapsed().as_secs_f64();
     let mut bins = layout.as_ref().map_or_else(Vec::new, |layout| bins(&run, layout));
-    bins.extend(on_all(&run, room));
+    bins.extend(on_all(&run, room, due.by_flat_mirror));
     bins.extend(tiles(&run, room));
-    let due = due.map(|due| deposit_claim(&run, due));
+    let due = due.all.map(|due| deposit_claim(&run, due));
     let mut books = energy(&rows, due.as_ref(), reproduce);
     books.note = note(&run, room);
     let mut verdicts = vec![books];
@@ -191,8 +190,8 @@ fn bins(run: &LightRun, layout: &CausticLayout) -> Vec<CausticBin> {
 
 /// The whole of the first map, where it is known what light of one order brings to it: by way of one flat mirror; through a
 /// lampshade; from a point source through a sphere of index 1 around it, which the wall must get whole.
-fn on_all(run: &LightRun, room: &Configuration) -> Option<CausticBin> {
-    let by_mirror = || Some((1, power_by_flat_mirror(room)?));
+fn on_all(run: &LightRun, room: &Configuration, by_flat_mirror: Option<Bounded>) -> Option<CausticBin> {
+    let by_mirror = || Some((1, by_flat_mirror?));
     let by_shade = || Some((0, power_by_lampshade(room)?));
     let by_spheres = || Some((1, power_through_two_spheres(room)?));
     let (order, exact) = by_mirror().or_else(by_shade).or_else(by_spheres)?;
@@ -500,7 +499,7 @@ mod tests {
         for name in ["caustic/glass-ball", "caustic/plano-convex", "caustic/slab", "caustic/spherical-mirror"] {
             let case = shipped_caustics().find(|case| case.name() == name).unwrap().read().unwrap();
             let (run, _) = followed(name);
-            let due = deposited_power(&case.configuration, case.light.depth).expect("known");
+            let due = deposited_power(&case.configuration, case.light.depth).all.expect("known");
             let sound = row(&run, &case.configuration, Some(due));
             let judged = energy(std::slice::from_ref(&sound), Some(&deposit_claim(&run, due)), "");
             assert_eq!(judged.verdict, Verdict::Pass, "{name}: {}", judged.words);

@@ -30,7 +30,7 @@ use crate::scene::Hierarchy;
 use crate::threads;
 
 /// Shadow rays that compare each mesh's hierarchy with brute force.
-const COMPARED_RAYS: u64 = 512;
+const COMPARED_RAYS: u64 = 128;
 
 /// What a run tells while it goes on.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -7,7 +7,16 @@ use crate::configuration::{Configuration, GlassShape, Lamp, ReceiverShape};
 use crate::oracle::Oracle;
 use crate::oracle::patch::{Tolerance, average_irradiance};
 
-/// All flux that is deposited on the receiver, W; `None` for a room where it is not known.
+/// Flux that is deposited on the receiver, W; `None` where it is not known.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DepositedPower {
+    /// By light of all orders.
+    pub all: Option<Bounded>,
+    /// By way of one flat mirror, of all that there is: [`power_by_flat_mirror`].
+    pub by_flat_mirror: Option<Bounded>,
+}
+
+/// All flux that is deposited on the receiver.
 ///
 /// - area sources and one flat mirror: direct light, by the mean irradiance, and the light that was mirrored
 /// - a beam into a paraboloid or spherical mirror, if all of it lands at once
@@ -16,15 +25,26 @@ use crate::oracle::patch::{Tolerance, average_irradiance};
 ///
 /// - `depth`: interactions after which light is given up
 /// - error: `bound`, an estimate: of quadrature
-pub fn deposited_power(room: &Configuration, depth: usize) -> Option<Bounded> {
+pub fn deposited_power(room: &Configuration, depth: usize) -> DepositedPower {
+    let by_flat_mirror = power_by_flat_mirror(room);
+    let all = match by_flat_mirror {
+        Some(mirrored) if depth >= 1 => with_direct(room, mirrored),
+        _ => by_lamps(room, depth),
+    };
+    DepositedPower { all, by_flat_mirror }
+}
+
+/// With the light that comes straight.
+fn with_direct(room: &Configuration, mirrored: Bounded) -> Option<Bounded> {
+    let patch = layout::patch(room)?;
+    let direct = average_irradiance(&Oracle::new(room), &patch, Tolerance::relative(1e-9));
+    let [value, bound] = [direct.irradiance, direct.bound].map(|x| x.watts_per_square_metre() * patch.area());
+    Some(Bounded { value: mirrored.value + value, bound: mirrored.bound + bound })
+}
+
+fn by_lamps(room: &Configuration, depth: usize) -> Option<Bounded> {
     if !room.diffuse().is_empty() {
         return None;
-    }
-    if let (1.., Some(mirrored)) = (depth, power_by_flat_mirror(room)) {
-        let patch = layout::patch(room)?;
-        let direct = average_irradiance(&Oracle::new(room), &patch, Tolerance::relative(1e-9));
-        let [value, bound] = [direct.irradiance, direct.bound].map(|x| x.watts_per_square_metre() * patch.area());
-        return Some(Bounded { value: mirrored.value + value, bound: mirrored.bound + bound });
     }
     let known = CausticLayout::of(room)?;
     match (room.lamps(), room.glass()) {

@@ -61,7 +61,7 @@ use crate::radiometry::RadiometryError;
 pub use caustic::{Arrival, Caustic};
 pub use cup::CupLayout;
 pub use cylinder::CylinderMirror;
-pub use deposit::deposited_power;
+pub use deposit::{DepositedPower, deposited_power};
 pub use disks::CoaxialDisks;
 pub use exchange::Which;
 pub use faces::{Loss, Polarised};

@@ -68,7 +68,9 @@ impl Shade {
 pub fn power_by_lampshade(room: &Configuration) -> Option<Bounded> {
     let shade = Shade::of(room)?;
     let (lampshade, shell) = (&shade.lampshade, shade.lampshade.shell());
-    let is_centred = shade.gap >= shell.radius() * (1.0 - 1e-15);
+    if shade.gap < shell.radius() * (1.0 - 1e-15) {
+        return None;
+    }
     let patch = match room.receiver()?.shape() {
         ReceiverShape::Rectangle(s) => Patch::Rectangle(*s),
         ReceiverShape::Disk(s) => Patch::Disk(*s),
@@ -81,7 +83,7 @@ pub fn power_by_lampshade(room: &Configuration) -> Option<Bounded> {
         Configuration::new(vec![glow], shade.occluders.clone(), None, vec![point], Arrangement::Scattered).ok()?;
     let found = average_irradiance(&Oracle::new(&lit), &patch, Tolerance::relative(1e-9));
     let [value, bound] = [found.irradiance, found.bound].map(|x| x.watts_per_square_metre() * patch.area());
-    (is_centred && bound.is_finite()).then_some(Bounded { value, bound })
+    bound.is_finite().then_some(Bounded { value, bound })
 }
 
 /// What a point source sends through a sphere of index 1 around it to the wall of an enclosure, W: all of it, whatever the
