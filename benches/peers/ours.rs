@@ -109,7 +109,7 @@ fn rays(mesh: &str, triangles: usize, order: &str) {
         let mut left = 0.0;
         for (from, rays) in &blocks {
             let mut carried = [[1.0; LANES]; BLOCK / LANES];
-            hierarchy.shade(*from, rays, BLOCK, &mut carried);
+            hierarchy.shade(*from, rays, BLOCK, &mut carried, None);
             left += carried.as_flattened().iter().sum::<f64>();
         }
         (POINTS * SAMPLES) as f64 - left

@@ -8,7 +8,7 @@ use glam::DVec3;
 use crate::configuration::{Configuration, MeasurementPoint, Source};
 use crate::number::{Eight, Lanewise, Machine, Registers, Work};
 use crate::sampling::{BLOCK, LANES, Row, Squares, StreamKey, Surface, SurfaceBlock, groups};
-use crate::scene::{Blocker, ShadowRays, Surroundings};
+use crate::scene::{Blocker, ShadowCache, ShadowRays, Surroundings};
 use crate::texture::Texture;
 
 /// A source, and what can come between it and a shading point.
@@ -48,11 +48,13 @@ impl Default for Exitances {
 pub(super) struct Shading {
     rays: ShadowRays,
     pub(super) contributions: Row,
+    /// One for each of a source's blockers, as far as there have been some.
+    caches: Vec<ShadowCache>,
 }
 
 impl Default for Shading {
     fn default() -> Shading {
-        Shading { rays: ShadowRays::default(), contributions: [[0.0; LANES]; BLOCK / LANES] }
+        Shading { rays: ShadowRays::default(), contributions: [[0.0; LANES]; BLOCK / LANES], caches: Vec::new() }
     }
 }
 
@@ -140,8 +142,10 @@ impl Emitter {
         shading: &mut Shading,
     ) {
         machine.run(Unoccluded { emitter: self, point, places, len, shading });
-        for blocker in &self.blockers {
-            blocker.shade_on(machine, point.position(), &shading.rays, len, &mut shading.contributions);
+        let Shading { rays, contributions, caches } = shading;
+        caches.resize_with(caches.len().max(self.blockers.len()), ShadowCache::default);
+        for (blocker, cache) in self.blockers.iter().zip(caches) {
+            blocker.shade_on(machine, point.position(), rays, len, contributions, Some(cache));
         }
     }
 
@@ -216,7 +220,7 @@ impl Work for Unoccluded<'_> {
         let Unoccluded { emitter, point, places, len, shading } = self;
         let offset = emitter.surface.origin() - point.position();
         let normal = point.normal();
-        let Shading { rays, contributions } = shading;
+        let Shading { rays, contributions, .. } = shading;
         if let Some(source_normal) = emitter.surface.flat_normal() {
             // r cosθₛ is the height of the point over the source's plane, the same for the whole source.
             let height = (-offset.dot(source_normal)).max(0.0);

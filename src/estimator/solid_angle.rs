@@ -142,7 +142,7 @@ impl Aim {
             }
         }
         for blocker in &emitter.blockers {
-            blocker.shade_on(machine, point.position(), rays, len, brought);
+            blocker.shade_on(machine, point.position(), rays, len, brought, None);
         }
         if let Some(texture) = &emitter.texture {
             for (g, brought) in brought.iter_mut().enumerate().take(groups(len)) {

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::Hierarchy;
+use super::{Hierarchy, ShadowCache};
 use crate::geometry::{Frame, Polygon, Shape};
 use crate::number::{Eight, Lanewise, Machine, Registers, Work};
 use crate::sampling::{BLOCK, LANES, Row, groups};
@@ -106,7 +106,7 @@ impl Blocker {
     ///
     /// - `from`: the shading point, metres
     pub fn shade(&self, from: DVec3, rays: &ShadowRays, len: usize, contributions: &mut Row) {
-        self.shade_on(Machine::Any, from, rays, len, contributions);
+        self.shade_on(Machine::Any, from, rays, len, contributions, None);
     }
 
     /// As [`Blocker::shade`], in the registers of a machine.
@@ -117,8 +117,12 @@ impl Blocker {
         rays: &ShadowRays,
         len: usize,
         contributions: &mut Row,
+        cache: Option<&mut ShadowCache>,
     ) {
-        machine.run(Shade { blocker: self, from, rays, len, contributions });
+        match self {
+            Blocker::Mesh(hierarchy) => hierarchy.shade(from, rays, len, contributions, cache),
+            analytic => machine.run(Shade { blocker: analytic, from, rays, len, contributions }),
+        }
     }
 
     /// As [`Blocker::shade`], in these registers.
@@ -151,7 +155,7 @@ impl Blocker {
                 let ball = Ball { offset: from - *center, radius_squared: *radius_squared };
                 shade_by(registers, ball, rays, len, contributions);
             }
-            Blocker::Mesh(hierarchy) => hierarchy.shade(from, rays, len, contributions),
+            Blocker::Mesh(hierarchy) => hierarchy.shade(from, rays, len, contributions, None),
         }
     }
 }

@@ -3,9 +3,9 @@
 
 use glam::DVec3;
 
-#[cfg(not(feature = "fast"))]
-use super::ShadowRays;
 use super::segment::Segment;
+#[cfg(not(feature = "fast"))]
+use super::{ShadowCache, ShadowRays};
 use crate::geometry::Mesh;
 #[cfg(not(feature = "fast"))]
 use crate::sampling::{LANES, Row, groups};
@@ -52,7 +52,14 @@ impl Hierarchy {
     /// - `from`: the shading point, metres
     #[cfg(not(feature = "fast"))]
     #[expect(clippy::needless_range_loop, reason = "one index over several rows")]
-    pub fn shade(&self, from: DVec3, rays: &ShadowRays, len: usize, contributions: &mut Row) {
+    pub fn shade(
+        &self,
+        from: DVec3,
+        rays: &ShadowRays,
+        len: usize,
+        contributions: &mut Row,
+        _: Option<&mut ShadowCache>,
+    ) {
         for g in 0..groups(len) {
             for l in 0..LANES {
                 if contributions[g][l] != 0.0 && self.blocks(from, from + rays.ray(g, l)) {

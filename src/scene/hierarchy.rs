@@ -11,9 +11,9 @@ use obvhs::aabb::Aabb;
 use obvhs::bvh2::builder::build_bvh2;
 use pulp::NullaryFnOnce;
 
-use super::ShadowRays;
 use super::segment::Segment;
 use super::wide::{Boxes, Portable, SingleRay, Wide};
+use super::{ShadowCache, ShadowRays};
 use crate::geometry::Mesh;
 use crate::sampling::{LANES, Row, groups};
 
@@ -69,8 +69,16 @@ impl Hierarchy {
     /// nothing (padding, too) is not traced.
     ///
     /// - `from`: the shading point, metres
-    pub fn shade(&self, from: DVec3, rays: &ShadowRays, len: usize, contributions: &mut Row) {
-        on_this_machine(Block { hierarchy: self, from, rays, len, contributions });
+    /// - `cache`: what blocked last, to be asked first; it changes no answer
+    pub fn shade(
+        &self,
+        from: DVec3,
+        rays: &ShadowRays,
+        len: usize,
+        contributions: &mut Row,
+        cache: Option<&mut ShadowCache>,
+    ) {
+        on_this_machine(Block { hierarchy: self, from, rays, len, contributions, cache });
     }
 
     /// A segment in units of the hierarchy.
@@ -127,8 +135,8 @@ impl Traced for One<'_> {
     #[inline(always)]
     fn trace<R: Boxes>(self, registers: R) -> bool {
         let One { hierarchy, from, to } = self;
-        let mut ends = [Some(to)];
-        hierarchy.wide.block(registers, from, &mut ends, &[hierarchy.in_f32(from, to)]);
+        let (mut ends, mut by) = ([Some(to)], [ShadowCache::NOTHING]);
+        hierarchy.wide.block(registers, from, &mut ends, &[hierarchy.in_f32(from, to)], &mut by);
         ends[0].is_none()
     }
 }
@@ -140,6 +148,7 @@ struct Block<'a> {
     rays: &'a ShadowRays,
     len: usize,
     contributions: &'a mut Row,
+    cache: Option<&'a mut ShadowCache>,
 }
 
 impl Traced for Block<'_> {
@@ -148,26 +157,44 @@ impl Traced for Block<'_> {
     #[expect(clippy::needless_range_loop, reason = "one index over several rows")]
     #[inline(always)]
     fn trace<R: Boxes>(self, registers: R) {
-        let Block { hierarchy, from, rays, len, contributions } = self;
+        let Block { hierarchy, from, rays, len, contributions, cache } = self;
+        let mut none = ShadowCache::default();
+        let is_kept = cache.is_some();
+        let cache = cache.unwrap_or(&mut none);
+        let is_asked = is_kept && cache.is_asked();
+        let (mut asked, mut helped) = (0, 0);
         let some = TOGETHER / LANES;
         for start in (0..groups(len)).step_by(some) {
             let (mut to, mut in_f32) = ([None; TOGETHER], [SingleRay::default(); TOGETHER]);
+            let mut by = [ShadowCache::NOTHING; TOGETHER];
             for g in start..(start + some).min(groups(len)) {
                 for l in 0..LANES {
                     if contributions[g][l] != 0.0 {
                         let (end, ray) = (from + rays.ray(g, l), (g - start) * LANES + l);
-                        to[ray] = Some(end);
                         in_f32[ray] = hierarchy.in_f32(from, end);
+                        to[ray] = Some(end);
+                        if is_asked {
+                            let last = cache.parts[g * LANES + l];
+                            asked += 1;
+                            if hierarchy.wide.part_blocks(registers, last, &in_f32[ray], from, end) {
+                                (contributions[g][l], to[ray]) = (0.0, None);
+                                helped += 1;
+                            }
+                        }
                     }
                 }
             }
-            hierarchy.wide.block(registers, from, &mut to, &in_f32);
+            hierarchy.wide.block(registers, from, &mut to, &in_f32, &mut by);
             for (ray, to) in to.iter().enumerate() {
                 if to.is_none() {
                     contributions[start + ray / LANES][ray % LANES] = 0.0;
                 }
+                if by[ray] != ShadowCache::NOTHING {
+                    cache.parts[start * LANES + ray] = by[ray];
+                }
             }
         }
+        cache.count(asked, helped);
     }
 }
 
@@ -244,31 +271,47 @@ mod tests {
     }
 
     #[test]
-    fn a_block_of_rays_is_its_rays_one_by_one() {
+    fn a_block_of_rays_is_its_rays_one_by_one_whatever_the_cache_holds() {
         let hierarchy = hierarchy(20);
         let mut draws = Stream::new(StreamKey::root(15));
-        let (mut stopped, mut let_through) = (0, 0);
+        let (mut stopped, mut let_through, mut at_once) = (0, 0, 0);
         for len in [1, 7, 8, 33, 100, 128] {
-            let mut rays = ShadowRays::default();
-            let from = DVec3::new(draws.random_range(-1.0..1.0), 0.1, 0.0);
-            for k in 0..len {
-                (rays.x[k / LANES][k % LANES], rays.y[k / LANES][k % LANES], rays.z[k / LANES][k % LANES]) =
-                    (draws.random_range(-1.0..1.0) - from.x, draws.random_range(-1.0..1.0), 2.0);
-            }
-            let carried = |k: usize| if k < len { (k % 3) as f64 } else { 0.0 };
-            let mut contributions = Row::default();
-            for (k, contribution) in contributions.as_flattened_mut().iter_mut().enumerate() {
-                *contribution = carried(k);
-            }
-            hierarchy.shade(from, &rays, len, &mut contributions);
-            for (k, contribution) in contributions.as_flattened().iter().enumerate() {
-                let blocked = k < len && hierarchy.blocks(from, from + rays.ray(k / LANES, k % LANES));
-                assert_eq!(*contribution, if blocked { 0.0 } else { carried(k) }, "ray {k} of {len}");
-                stopped += u32::from(blocked && carried(k) > 0.0);
-                let_through += u32::from(*contribution > 0.0);
+            let ends: Vec<DVec3> = (0..len)
+                .map(|_| DVec3::new(draws.random_range(-1.0..1.0), draws.random_range(-1.0..1.0), 2.0))
+                .collect();
+            // Left over from elsewhere: parts that there are, and parts that there are not.
+            let left_over = std::array::from_fn(|_| draws.random_range(0..200));
+            let mut cache = ShadowCache::holding(left_over);
+            // Points close to each other, with the same ends.
+            for step in 0..6 {
+                let from = DVec3::new(-0.5 + 1e-3 * f64::from(step), 0.1, 0.0);
+                let mut rays = ShadowRays::default();
+                for (k, end) in ends.iter().enumerate() {
+                    (rays.x[k / LANES][k % LANES], rays.y[k / LANES][k % LANES], rays.z[k / LANES][k % LANES]) =
+                        (*end - from).into();
+                }
+                let carried = |k: usize| if k < len { (k % 3) as f64 } else { 0.0 };
+                let mut contributions = Row::default();
+                for (k, contribution) in contributions.as_flattened_mut().iter_mut().enumerate() {
+                    *contribution = carried(k);
+                }
+                let mut without = contributions;
+                let before = cache.clone();
+                hierarchy.shade(from, &rays, len, &mut contributions, Some(&mut cache));
+                hierarchy.shade(from, &rays, len, &mut without, None);
+                assert_eq!(contributions, without);
+                for (k, contribution) in contributions.as_flattened().iter().enumerate() {
+                    let blocked = k < len && hierarchy.blocks(from, from + rays.ray(k / LANES, k % LANES));
+                    assert_eq!(*contribution, if blocked { 0.0 } else { carried(k) }, "ray {k} of {len}");
+                    stopped += u32::from(blocked && carried(k) > 0.0);
+                    let_through += u32::from(*contribution > 0.0);
+                    let is_kept = step > 0 && before.parts[k] == cache.parts[k];
+                    at_once += u32::from(blocked && carried(k) > 0.0 && is_kept);
+                }
             }
         }
-        assert!(stopped > 20 && let_through > 20, "both outcomes are common: {stopped}, {let_through}");
+        assert!(stopped > 100 && let_through > 100, "both outcomes are common: {stopped}, {let_through}");
+        assert!(at_once > 50, "what blocked last blocks again: {at_once} of {stopped}");
     }
 
     #[test]

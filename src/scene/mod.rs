@@ -11,6 +11,7 @@ mod halves;
 #[cfg_attr(not(feature = "fast"), path = "halves.rs")]
 mod hierarchy;
 mod segment;
+mod shadow_cache;
 mod surroundings;
 #[cfg(feature = "fast")]
 mod wide;
@@ -19,4 +20,5 @@ pub use blocker::{Blocker, ShadowRays};
 #[cfg(feature = "studies")]
 pub use first_met::Met;
 pub use hierarchy::Hierarchy;
-pub use surroundings::Surroundings;
+pub use shadow_cache::ShadowCache;
+pub use surroundings::{Surroundings, reach};

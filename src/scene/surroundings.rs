@@ -35,7 +35,7 @@ impl Surroundings {
 }
 
 /// A box that holds every shading point and every source: all ends of all shadow rays, metres.
-fn reach(configuration: &Configuration) -> (DVec3, DVec3) {
+pub fn reach(configuration: &Configuration) -> (DVec3, DVec3) {
     let mut reach = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     for source in configuration.sources() {
         let (low, high) = source.shape().bounds();

@@ -317,6 +317,7 @@ impl Wide {
     /// finds is queued without a branch on it, so that the machine neither waits for one ray nor guesses its way.
     ///
     /// - `rays`: each ray that has an end
+    /// - `by`: of each ray that a part of the mesh blocks, that part: for [`Wide::part_blocks`]
     #[inline(always)]
     pub(super) fn block<R: Boxes, const N: usize>(
         &self,
@@ -324,6 +325,7 @@ impl Wide {
         from: DVec3,
         to: &mut [Option<DVec3>; N],
         rays: &[SingleRay; N],
+        by: &mut [u32; N],
     ) {
         // Each ray's nodes still to be visited, the root first.
         let (mut nodes, mut left) = ([[0_u32; ROOM]; N], [1_usize; N]);
@@ -367,6 +369,7 @@ impl Wide {
                     for pack in first..first + count {
                         if self.pack_blocks(registers, pack, &rays[at], from, end) {
                             to[at] = None;
+                            by[at] = pack;
                             break;
                         }
                     }
@@ -402,6 +405,19 @@ impl Wide {
             }
         }
         false
+    }
+
+    /// Whether one part of the mesh, if there is such a part, blocks a segment.
+    #[inline(always)]
+    pub(super) fn part_blocks<R: Boxes>(
+        &self,
+        registers: R,
+        part: u32,
+        ray: &SingleRay,
+        from: DVec3,
+        to: DVec3,
+    ) -> bool {
+        (part as usize) < self.packs.len() && self.pack_blocks(registers, part, ray, from, to)
     }
 
     /// Whether a triangle of a pack blocks a segment.

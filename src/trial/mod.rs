@@ -24,6 +24,8 @@ mod light;
 #[cfg(feature = "studies")]
 mod map_error;
 mod measure;
+#[cfg(feature = "studies")]
+mod mesh_rays;
 mod outcome;
 #[cfg(feature = "studies")]
 mod picture;

@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-use rand::RngExt;
 use thiserror::Error;
 
 use super::accept::accept;
@@ -12,6 +11,7 @@ use super::indirect::indirect;
 use super::judge::{self, Judged};
 use super::light::light;
 use super::measure::{CellSums, Prepared, measure};
+use super::mesh_rays::compare_hierarchies;
 use super::outcome::{CaseOutcome, RunOutcome, StrategyOutcome, Timing};
 use super::plan::{CellPlan, pilot_replicates};
 use super::rates::rates;
@@ -20,17 +20,10 @@ use super::settings::{Effort, Settings};
 use super::shown::{efficiency, shown};
 use super::spread;
 use crate::case::{Case, Study};
-use crate::configuration::{Configuration, MeasurementPoint};
 use crate::estimator::{Estimator, for_technique};
-use crate::geometry::{DVec3, Shape};
-use crate::sampling::{
-    BLOCK, LANES, Lanes, Pattern, Purpose, Squares, Strategy, Stream, StreamKey, Surface, SurfaceBlock, Technique,
-};
-use crate::scene::Hierarchy;
+use crate::geometry::DVec3;
+use crate::sampling::{Purpose, Strategy, Technique};
 use crate::threads;
-
-/// Shadow rays that compare each mesh's hierarchy with brute force.
-const COMPARED_RAYS: u64 = 128;
 
 /// What a run tells while it goes on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,6 +45,9 @@ pub enum TrialError {
     /// A hierarchy and brute force disagreed on a shadow ray: a fault of this program.
     #[error("{case}: the hierarchy over mesh {mesh} and brute force disagree on a shadow ray from {from} to {to}")]
     HierarchyDisagrees { case: String, mesh: usize, from: DVec3, to: DVec3 },
+    /// The shadow cache changed what is blocked: a fault of this program.
+    #[error("{case}: mesh {mesh} blocks other shadow rays from point {point} with its cache than without")]
+    CacheDisagrees { case: String, mesh: usize, point: usize },
 }
 
 /// Measures and judges every case with the built-in estimators.
@@ -232,63 +228,4 @@ fn run_strategy(
         cells: cells.iter().zip(&plans).map(|(cell, plan)| shown(cell, plan)).collect(),
         timings,
     }
-}
-
-/// Traces the same shadow rays by hierarchy and by brute force: they must agree, and how long each takes is reported.
-fn compare_hierarchies(case: &Case, seed: u64) -> Result<Vec<Timing>, TrialError> {
-    let configuration = &case.configuration;
-    let mut timings = Vec::new();
-    for (mesh, shape) in configuration.occluders().iter().enumerate() {
-        let Shape::Mesh(triangles) = shape else { continue };
-        let rays = some_shadow_rays(configuration, seed);
-        let reach = rays
-            .iter()
-            .flat_map(|(from, to)| [*from, *to])
-            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
-        let start = Instant::now();
-        let hierarchy = Hierarchy::new(triangles, reach);
-        let build = start.elapsed().as_secs_f64();
-        let start = Instant::now();
-        let fast: Vec<bool> = rays.iter().map(|(from, to)| hierarchy.blocks(*from, *to)).collect();
-        let traversal = start.elapsed().as_secs_f64();
-        let start = Instant::now();
-        let slow: Vec<bool> = rays.iter().map(|(from, to)| hierarchy.blocks_by_brute_force(*from, *to)).collect();
-        let brute_force = start.elapsed().as_secs_f64();
-        if let Some(ray) = (0..rays.len()).find(|ray| fast[*ray] != slow[*ray]) {
-            let (from, to) = rays[ray];
-            return Err(TrialError::HierarchyDisagrees { case: case.name.clone(), mesh, from, to });
-        }
-        for (stage, rays, seconds) in [
-            ("hierarchy_build", triangles.triangles().len() as u64, build),
-            ("hierarchy_rays", COMPARED_RAYS, traversal),
-            ("brute_force_rays", COMPARED_RAYS, brute_force),
-        ] {
-            timings.push(Timing { stage, rays, seconds, efficiency: None });
-        }
-    }
-    Ok(timings)
-}
-
-/// Shadow rays from points of the case to points on its sources.
-fn some_shadow_rays(configuration: &Configuration, seed: u64) -> Vec<(DVec3, DVec3)> {
-    let key = StreamKey::root(seed).with(configuration.digest().key());
-    let mut draws = Stream::new(key);
-    let surfaces: Vec<Surface> =
-        configuration.sources().iter().filter_map(|source| Surface::new(source.shape())).collect();
-    let mut pattern = Pattern::new(Strategy::Random, COMPARED_RAYS, Lanes::new(key.with(1), LANES));
-    let (mut squares, mut places) = (Squares::default(), SurfaceBlock::default());
-    let mut rays = Vec::with_capacity(COMPARED_RAYS as usize);
-    while rays.len() < COMPARED_RAYS as usize {
-        let surface = &surfaces[draws.random_range(0..surfaces.len())];
-        pattern.fill(&mut squares, BLOCK);
-        surface.place(&squares, BLOCK, &mut places);
-        for i in 0..BLOCK {
-            let from: &MeasurementPoint =
-                &configuration.points()[draws.random_range(0..configuration.points().len())];
-            let row = |row: &crate::sampling::Row| row[i / LANES][i % LANES];
-            let offset = DVec3::new(row(&places.x), row(&places.y), row(&places.z));
-            rays.push((from.position(), surface.origin() + offset));
-        }
-    }
-    rays
 }
