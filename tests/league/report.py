@@ -26,7 +26,7 @@ STYLE = """
 main{max-width:74rem;margin:0 auto;padding:1.2rem 1rem 4rem}h1{font-size:1.7rem;line-height:1.25;margin:.4rem 0}h2{font-size:1.2rem;margin:2.2rem 0 .5rem}
 p{max-width:46rem}a{color:var(--accent)}.soft{color:var(--soft)}.scroll{overflow-x:auto;-webkit-overflow-scrolling:touch}
 table{border-collapse:collapse;font-size:.86rem;font-variant-numeric:tabular-nums;margin:.6rem 0}th,td{padding:.3rem .6rem;border-bottom:1px solid var(--line);text-align:left;vertical-align:top}
-th{font-weight:600;color:var(--soft);white-space:nowrap}td.k{white-space:nowrap}td.w{min-width:15rem}code{background:var(--panel);border-radius:4px;padding:0 .25em;font-size:.92em}td.n{text-align:right;white-space:nowrap}.v{font-weight:600;white-space:nowrap}
+th{font-weight:600;color:var(--soft);vertical-align:bottom}td.k{white-space:nowrap}td.w{min-width:15rem}code{background:var(--panel);border-radius:4px;padding:0 .25em;font-size:.92em}td.n{text-align:right;white-space:nowrap}.v{font-weight:600;white-space:nowrap}
 .pass{color:var(--pass)}.fail,.floor{color:var(--fail)}.undecided{color:var(--undecided)}.none{color:var(--none)}
 pre{background:var(--panel);border:1px solid var(--line);border-radius:6px;padding:.8rem;overflow-x:auto;font-size:.8rem;line-height:1.45}
 pre.letter{white-space:pre-wrap}.plot{width:100%;min-width:34rem;max-width:42rem;height:auto;display:block;margin:.8rem 0}
@@ -48,7 +48,12 @@ def percent(share, digits=2):
 
 
 def unsigned(share):
-    return "" if share is None or not math.isfinite(share) else f"{100 * share:.2g} %"
+    return "" if share is None or not math.isfinite(share) else f"{100 * share:.2g} %" if share < 0.995 else f"{100 * share:.0f} %"
+
+
+def digits(value, places=2):
+    """A number to be read: neither 4090453.24 nor 2.2e+02."""
+    return f"{value:.{places}f}" if abs(value) < 1e3 else f"{value:.2g}" if abs(value) >= 1e6 else f"{value:,.0f}"
 
 
 def spoken(text):
@@ -91,8 +96,11 @@ def reflowed(text):
 
 
 def words(text):
-    """Text of ours with `code` in it, for a page."""
-    return re.sub(r"`([^`]+)`", r"<code>\1</code>", escape(text))
+    """Text of ours with `code` in it, for a page: formulas as they are written by hand."""
+    parts = escape(text).split("`")
+    for k in range(0, len(parts), 2):
+        parts[k] = parts[k].replace("sqrt(", "√(").replace("chi2", "χ²").replace("^2", "²").replace("^3", "³")
+    return "".join(f"<code>{part}</code>" if k % 2 else part for k, part in enumerate(parts))
 
 
 def page(title, body, depth=0):
@@ -200,12 +208,12 @@ def scrolled(svg):
 def tests_table(found):
     rows = []
     for one in found:
-        fit = f"{one['worst_of_peak']:.1e} (allowed {one['error_of_peak']:.1e})" if "error_of_peak" in one else f"{one['chi2_n']:.2f} ({one['dof']} free)"
+        fit = f"{one['worst_of_peak']:.1e} (allowed {one['error_of_peak']:.1e})" if "error_of_peak" in one else f"{digits(one['chi2_n'])} ({one['dof']} free)"
         name = one["name"].replace("_", " ")
         rows.append([f"<b>{name}</b>" if one["fits"] else name,
                      f'<span class="v {"pass" if one["fits"] else "none"}">{"fits" if one["fits"] else "does not fit"}</span>', fit,
-                     escape(one["words"]) + (f" <span class=soft>{escape(one['fitted'])}</span>" if one["fitted"] else "")])
-    return table(["hypothesis", "", "chi2/n, or worst of the brightest", "what it says"], rows)
+                     words(one["words"]) + (f" <span class=soft>{escape(one['fitted'])}</span>" if one["fitted"] else "")])
+    return table(["hypothesis", "", "χ²/n, or worst of the brightest", "what it says"], rows)
 
 
 def plain_table(rows):
@@ -354,7 +362,7 @@ class Report:
         for t in told:
             one, why = t["best"], "No prediction was found."
             if t["fit"]:
-                number = f"chi2/n {one['chi2_n']:.2f}" if "chi2_n" in one else f"to {one['worst_of_peak']:.0e} of the brightest"
+                number = f"χ²/n {digits(one['chi2_n'])}" if "chi2_n" in one else f"to {one['worst_of_peak']:.0e} of the brightest"
                 why = f"Predicted by <i>{escape(one['name'].replace('_', ' '))}</i>: {t['fit']} of {t['tested']} rows fit ({number})."
             elif t["tested"]:
                 why = "The prediction does not fit in this run."
