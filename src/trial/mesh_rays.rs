@@ -15,6 +15,8 @@ use crate::scene::{Hierarchy, ShadowCache, ShadowRays, reach};
 
 /// Shadow rays that compare each mesh's hierarchy with brute force.
 const COMPARED_RAYS: u64 = 128;
+/// How often each block is traced to compare the shadow cache, half of them with it.
+const TURNS: usize = 8;
 
 /// Traces the same shadow rays by hierarchy and by brute force, and with the shadow cache and without: they must agree, and
 /// how long each takes is reported.
@@ -79,7 +81,8 @@ fn compare_caches(case: &Case, mesh: usize, hierarchy: &Hierarchy, seed: u64) ->
     let configuration = &case.configuration;
     let key = StreamKey::root(seed).with(configuration.digest().key()).with(2);
     let (mut squares, mut places) = (Squares::default(), SurfaceBlock::default());
-    let mut cache = ShadowCache::default();
+    // One for each pair of turns: a point that was asked about before would be found at once.
+    let mut caches = [(); TURNS / 2].map(|()| ShadowCache::default());
     let (mut rays, mut seconds) = (0, [0.0; 2]);
     for (index, source) in configuration.sources().iter().enumerate() {
         let Some(surface) = Surface::new(source.shape()) else { continue };
@@ -95,18 +98,20 @@ fn compare_caches(case: &Case, mesh: usize, hierarchy: &Hierarchy, seed: u64) ->
                 (block.x[g][l], block.y[g][l], block.z[g][l]) =
                     (places.x[g][l] + offset.x, places.y[g][l] + offset.y, places.z[g][l] + offset.z);
             }
-            let mut carried = [[[1.0; LANES]; BLOCK / LANES]; 2];
-            let [with, without] = &mut carried;
-            let start = Instant::now();
-            hierarchy.shade(from, &block, BLOCK, with, Some(&mut cache));
-            seconds[0] += start.elapsed().as_secs_f64();
-            let start = Instant::now();
-            hierarchy.shade(from, &block, BLOCK, without, None);
-            seconds[1] += start.elapsed().as_secs_f64();
-            if with != without {
-                return Err(TrialError::CacheDisagrees { case: case.name.clone(), mesh, point: p });
+            // Whoever comes first finds the hierarchy's memory cold: by turns, and once before.
+            let mut warm = [[1.0; LANES]; BLOCK / LANES];
+            hierarchy.shade(from, &block, BLOCK, &mut warm, None);
+            for turn in 0..TURNS {
+                let mut carried = [[1.0; LANES]; BLOCK / LANES];
+                let way = (turn + p) % 2;
+                let start = Instant::now();
+                hierarchy.shade(from, &block, BLOCK, &mut carried, (way == 0).then_some(&mut caches[turn / 2]));
+                seconds[way] += start.elapsed().as_secs_f64();
+                if carried != warm {
+                    return Err(TrialError::CacheDisagrees { case: case.name.clone(), mesh, point: p });
+                }
             }
-            rays += BLOCK as u64;
+            rays += (TURNS / 2 * BLOCK) as u64;
         }
     }
     let timing = |stage, seconds| Timing { stage, rays, seconds, efficiency: None };
