@@ -52,6 +52,9 @@ pub enum TrialError {
     /// A hierarchy and brute force disagreed on a shadow ray: a fault of this program.
     #[error("{case}: the hierarchy over mesh {mesh} and brute force disagree on a shadow ray from {from} to {to}")]
     HierarchyDisagrees { case: String, mesh: usize, from: DVec3, to: DVec3 },
+    /// The system gives no thread to work on.
+    #[error("the system gives no thread to work on")]
+    NoThread,
 }
 
 /// Measures and judges every case with the built-in estimators.
