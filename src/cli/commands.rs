@@ -6,7 +6,7 @@ use std::path::Path;
 use super::exit;
 use super::explain;
 use super::guests;
-use super::options::{Calibrate, Check, Exact, Explain, List, Plan, Run};
+use super::options::{Calibrate, Check, Exact, Explain, Growth, List, Plan, Run};
 use super::progress::{Bar, RunBar};
 use crate::calibration;
 use crate::case::{self, Case, Ink, SelectError};
@@ -135,6 +135,18 @@ fn plan_to_end(options: &Plan) -> Result<u8, u8> {
     }
     let all = forecasts.iter().all(|plan| plan.suffices);
     Ok(if all || options.work.replicates.is_none() { exit::PASSED } else { exit::UNDECIDED })
+}
+
+pub fn growth(options: &Growth) -> u8 {
+    growth_to_end(options).map_or_else(|code| code, |()| exit::PASSED)
+}
+
+fn growth_to_end(options: &Growth) -> Result<(), u8> {
+    report::claim_growth(&options.out).map_err(|error| fault(exit::OUTPUT, error))?;
+    let told = |study: &str| anstream::eprintln!("timing {study}");
+    let studies = trial::growth(options.effort(), &told).map_err(|error| fault(exit::BUG, error))?;
+    report::write_growth(&options.out, &studies).map_err(|error| fault(exit::OUTPUT, error))?;
+    print(&report::growth_table(&studies, &options.out))
 }
 
 pub fn explain(options: &Explain) -> u8 {

@@ -40,6 +40,7 @@ pub fn main() -> ExitCode {
         Some(options::Command::Exact(exact)) => commands::exact(&exact),
         Some(options::Command::Calibrate(calibrate)) => commands::calibrate(&calibrate),
         Some(options::Command::Plan(plan)) => commands::plan(&plan),
+        Some(options::Command::Growth(growth)) => commands::growth(&growth),
         Some(options::Command::Explain(explain)) => commands::explain(&explain),
         Some(options::Command::Judge(judge)) => guests::judge(&judge),
         Some(options::Command::Verify(verify)) => guests::verify(&verify),

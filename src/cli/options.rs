@@ -51,6 +51,8 @@ pub enum Command {
     Calibrate(Calibrate),
     /// What a run would cost and could see, before it is spent
     Plan(Plan),
+    /// How cost grows with samples, occluders, triangles, points and light rays: timed, plotted, fitted
+    Growth(Growth),
     /// Judge a program in any language: points on its standard input, estimates from its standard output
     #[command(after_help = super::guests::JUDGE_HELP)]
     Judge(super::guests::JudgeOptions),
@@ -191,6 +193,23 @@ pub struct Plan {
     /// Machine-readable
     #[arg(long)]
     pub json: bool,
+}
+
+/// Options of `growth`.
+#[derive(Args, Debug)]
+pub struct Growth {
+    /// Folder that the table, the page and the plots are written to
+    #[arg(long, value_name = "DIR", default_value = "reports/growth")]
+    pub out: PathBuf,
+    /// Fewer sizes, and no mesh of a million triangles
+    #[arg(long)]
+    pub quick: bool,
+}
+
+impl Growth {
+    pub fn effort(&self) -> Effort {
+        if self.quick { Effort::Quick } else { Effort::Standard }
+    }
 }
 
 #[derive(Args, Debug)]

@@ -9,14 +9,14 @@ use super::ReportError;
 /// What plots are called after their case: the endings of the files below `plots/`.
 pub(super) const PLOT_KINDS: [&str; 8] =
     ["variance", "bias", "profile", "map", "correlation", "caustic", "energy", "texels"];
-const PLOT_FORMATS: [&str; 2] = ["svg", "png"];
+pub(super) const PLOT_FORMATS: [&str; 2] = ["svg", "png"];
 pub(super) const PLOTS: &str = "plots";
 
 /// A file that is being written carries this ending until it is whole.
 const PARTIAL: &str = "partial";
 
 /// Files that lie directly in the folder.
-pub(super) const FILES: [&str; 10] = [
+pub(super) const FILES: [&str; 11] = [
     "convergence.csv",
     "rates.csv",
     "correlation.csv",
@@ -26,6 +26,7 @@ pub(super) const FILES: [&str; 10] = [
     "paths.csv",
     "verdicts.csv",
     "timings.csv",
+    "timings.html",
     "manifest.json",
 ];
 

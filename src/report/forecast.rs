@@ -33,7 +33,8 @@ pub fn forecast_table(forecasts: &[Forecast], threads: usize) -> String {
     let (rays, seconds) = forecasts.iter().fold((0, 0.0), |(r, s), plan| (r + plan.rays, s + plan.seconds));
     let _ = writeln!(
         text,
-        "\n{} shadow rays, {seconds:.1} s of CPU time: about {:.0} s on {threads} threads, and what prediction takes",
+        "\n{} shadow rays, {seconds:.1} s of processor time to estimate (stages `pilot` and `measure` of timings.csv): about {:.0} s on \
+         {threads} threads. Not counted: exact values and predictions, verdicts, rays from the light and paths",
         count(rays),
         (seconds / threads as f64).ceil()
     );

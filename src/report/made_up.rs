@@ -136,7 +136,8 @@ fn strategy_outcome(
                 _ => errors.map(|e| e * e).sum::<f64>().sqrt() / n,
             };
             let mean_bias = points.iter().map(|p| p.bias).sum::<f64>() / n;
-            Cell { samples, replicates: REPLICATES, points, mean_bias, mean_bias_std_error }
+            let seconds = REPLICATES as f64 * n * (2e-8 + 4e-9 * samples as f64);
+            Cell { samples, replicates: REPLICATES, seconds, points, mean_bias, mean_bias_std_error }
         })
         .collect();
     let rates = [None, Some(Region::Lit), Some(Region::Penumbra)]

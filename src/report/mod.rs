@@ -2,13 +2,13 @@
 //!
 //! - [`claim`] finds an unwritable folder before the work starts;
 //! - [`write`](fn@write) fills it: CSV tables, `manifest.json`, and plots (feature `plots`);
-//! - [`write_calibration`] does the same for a calibration of the gate;
+//! - [`write_calibration`] does the same for a calibration of the gate, [`write_growth`] for how cost grows;
 //! - `write_pictures` and `write_lecture` write rendered pictures (feature `plots`);
 //! - [`table`] tells the verdicts on a terminal; [`write_exact`] prints exact values, [`write_limits`] shadow limits;
 //! - [`write_images`] and [`images_table`] tell what came of images of other renderers; [`write_files`] writes a scene for one.
 //!
 //! The meaning of every column is in `reports/README.md`, which [`column_reference`] writes. Everything but
-//! `timings.csv` is the same from run to run, byte for byte.
+//! `timings.csv` and `timings.html` is the same from run to run, byte for byte.
 
 mod calibration;
 mod column;
@@ -19,12 +19,14 @@ mod exact;
 mod exr;
 mod folder;
 mod forecast;
+mod growth;
 #[cfg(feature = "plots")]
 mod image;
 mod images;
 mod light;
 mod limits;
 mod manifest;
+mod page;
 mod paths;
 #[cfg(feature = "plots")]
 mod plot;
@@ -32,6 +34,7 @@ mod plot;
 mod render;
 mod tables;
 mod terminal;
+mod timings;
 
 #[cfg(test)]
 mod made_up;
@@ -48,6 +51,7 @@ pub use error::ReportError;
 pub use exact::{ExactCase, write_exact};
 pub use folder::claim;
 pub use forecast::forecast_table;
+pub use growth::{claim_growth, growth_table, write_growth};
 pub use images::{claim_images, images_table, write_files, write_images};
 pub use limits::{LimitsCase, write_limits};
 #[cfg(feature = "plots")]
@@ -80,6 +84,7 @@ pub fn write(dir: &Path, outcome: &RunOutcome, options: &ReportOptions) -> Resul
     for (name, content) in csv_files(outcome)? {
         written.push(folder::write_whole(dir, name, &content)?);
     }
+    written.push(folder::write_whole(dir, timings::FILE, timings::page(outcome).as_bytes())?);
     #[cfg(feature = "plots")]
     if options.plots {
         written.extend(plot::write_all(&dir.join(folder::PLOTS), outcome)?);
@@ -118,7 +123,8 @@ pub fn column_reference() -> String {
 # Reports
 
 A run of `etendue` writes a folder like this one: tables (CSV), plots, and `manifest.json` (version, seed, generator,
-the command, and a digest of each case). Everything but `timings.csv` is the same from run to run, byte for byte.
+the command, and a digest of each case). Everything but `timings.csv` and its page
+`timings.html` is the same from run to run, byte for byte.
 
 Tables are in long format, one observation a row: comma-separated, `.` as decimal mark, full round-trip digits. A field
 is empty where a number has no meaning; none is ever NaN or infinite. *(This page is written by the code that writes
@@ -141,6 +147,7 @@ the tables.)*
         images::regions().described(),
         converge::levels().described(),
         converge::points().described(),
+        growth::growth().described(),
     ]
     .join("\n")
 }

@@ -281,7 +281,7 @@ pub(super) fn timing_rows(outcome: &RunOutcome) -> impl Iterator<Item = TimingRo
 pub(super) fn timings<'a>() -> Table<TimingRow<'a>> {
     Table {
         file: "timings.csv",
-        row: "one stage of the work; this is the only table that differs from run to run",
+        row: "one stage of the work; with `timings.html`, the page made from it, all that differs from run to run",
         case: |r| &r.case.name,
         columns: vec![
             column!("case", "", "the case's name", |r| r.case.name.as_str()),

@@ -14,7 +14,7 @@ pub mod pairs;
 pub mod proportion;
 mod quantile;
 #[cfg(test)]
-mod simulated;
+pub(crate) mod simulated;
 #[cfg(feature = "studies")]
 pub mod slope;
 mod verdict;

@@ -1,15 +1,22 @@
 //! What a run would cost and could see, before anything is spent on it.
 
-use super::measure::measure;
+use super::cost::median;
+use super::measure::{BATCHES, Prepared, replicates_at_once, seconds_of};
+use super::plan::CellPlan;
 use super::ready::Ready;
 use super::run::{plans, rays_of};
 use super::settings::Settings;
 use crate::case::Case;
 use crate::estimator::for_technique;
-use crate::sampling::{Purpose, Strategy};
+use crate::sampling::{BLOCK, Purpose, Strategy};
+use crate::threads;
 
-/// Shadow rays that one cell is timed by.
+/// Shadow rays of one timing, about: some tenths of a millisecond.
 const TIMED_RAYS: u64 = 50_000;
+/// Timings of a cell, beside one that warms up.
+const TIMINGS: u64 = 5;
+/// Shadow rays from which on fewer timings do: what takes long is disturbed less.
+const MANY_RAYS: u64 = 1_000_000;
 
 /// One case under one strategy, as planned.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,7 +27,7 @@ pub struct Forecast {
     pub cells: Vec<(u64, u64)>,
     /// Shadow rays in all.
     pub rays: u64,
-    /// CPU seconds, from a short trial of each cell on this machine.
+    /// Processor seconds of the stages `pilot` and `measure`, from short trials of each cell on this machine.
     pub seconds: f64,
     /// Relative biases that would be caught with 99 % probability: in the mean, and at the worst point that a tenth of the
     /// light reaches; `None` where no light is due.
@@ -43,11 +50,8 @@ pub fn forecast(cases: &[Case], settings: &Settings) -> Vec<Forecast> {
             let plans = plans(&prepared, &study, *strategy, &|_| {});
             let (mut rays, mut seconds) = (plans.pilot_rays, plans.pilot_seconds);
             for plan in &plans.cells {
-                let once = rays_of(&prepared, plan.samples, 1);
-                let replicates = (TIMED_RAYS / once).clamp(1, plan.replicates);
-                let trial = measure(&prepared, Purpose::Pilot, *strategy, plan.samples, replicates, &|_| {});
-                rays += once * plan.replicates;
-                seconds += trial.seconds * plan.replicates as f64 / replicates as f64;
+                rays += rays_of(&prepared, plan.samples, plan.replicates);
+                seconds += seconds_of_cell(&prepared, *strategy, plan);
             }
             let biases: Vec<_> = plans.cells.iter().map(|plan| plan.smallest_biases(&prepared, &study)).collect();
             let mean = biases.iter().filter_map(|biases| biases.mean).reduce(f64::max);
@@ -67,4 +71,75 @@ pub fn forecast(cases: &[Case], settings: &Settings) -> Vec<Forecast> {
         }
     }
     forecasts
+}
+
+/// What a cell will take: the median of several timings, scaled to all its replicates.
+fn seconds_of_cell(prepared: &Prepared, strategy: Strategy, plan: &CellPlan) -> f64 {
+    let once = rays_of(prepared, plan.samples, 1);
+    let count = timed_replicates(plan, once, prepared.exact.len());
+    let timings = if once * count > MANY_RAYS { 2 } else { TIMINGS };
+    // On all threads at once, as in the run: they share the machine's caches and its power. Each timing has streams of its
+    // own, so that no branch is learned by heart.
+    let n_threads = rayon::current_num_threads() as u64;
+    let rounds = timings.div_ceil(n_threads);
+    let starts: Vec<u64> = (0..n_threads).collect();
+    let of_threads = threads::map(&starts, |thread| {
+        let first = thread * (rounds + 1) * count;
+        let time = |round: u64| {
+            let start = first + round * count;
+            let replicates = start..start + count;
+            seconds_of(prepared, Purpose::Pilot, strategy, plan.samples, replicates) / count as f64
+        };
+        // The first fills caches and tables.
+        (0..=rounds).map(time).skip(1).collect::<Vec<f64>>()
+    });
+    scaled(of_threads.concat(), plan.replicates)
+}
+
+/// The median of times of one replicate, for so many.
+fn scaled(of_one: Vec<f64>, replicates: u64) -> f64 {
+    median(of_one).unwrap_or(0.0) * replicates as f64
+}
+
+/// Replicates that one timing takes: no more than a unit of the run has, and where samples are few in the portions in which
+/// the run works on them, since they fill its registers only together.
+fn timed_replicates(plan: &CellPlan, rays_of_one: u64, n_points: usize) -> u64 {
+    let enough = (TIMED_RAYS / rays_of_one.max(1)).max(1);
+    let portion = if plan.samples < BLOCK as u64 { replicates_at_once(n_points) } else { 1 };
+    enough.next_multiple_of(portion).min(plan.replicates.div_ceil(BATCHES)).max(1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trial::predict::CellPrediction;
+
+    fn plan(samples: u64, replicates: u64) -> CellPlan {
+        CellPlan {
+            samples,
+            replicates,
+            point_variances: Vec::new(),
+            contrast_variances: Vec::new(),
+            prediction: CellPrediction { points: Vec::new(), alike: Vec::new(), contrasts: None },
+        }
+    }
+
+    #[test]
+    fn a_disturbed_timing_moves_no_forecast() {
+        assert_eq!(scaled(vec![2e-6, 2.1e-6, 9e-4, 1.9e-6, 2e-6], 1000), 2e-6 * 1000.0);
+        assert_eq!(scaled(vec![], 1000), 0.0);
+    }
+
+    #[test]
+    fn timings_are_worked_on_as_the_run_works() {
+        // One sample at 65 points: a unit has 512 replicates, of which the run takes 256 at once.
+        assert_eq!(timed_replicates(&plan(1, 16_384), 65, 65), 512);
+        // A unit of the run is smaller than what a timing would like.
+        assert_eq!(timed_replicates(&plan(1, 128), 1, 1), 4);
+        // Many samples at many points: one replicate is long enough.
+        assert_eq!(timed_replicates(&plan(1024, 128), 1024 * 600, 600), 1);
+        assert_eq!(timed_replicates(&plan(1024, 1 << 20), 1024, 1), 48);
+        // Never none.
+        assert_eq!(timed_replicates(&plan(4, 2), 0, 1), 1);
+    }
 }

@@ -154,6 +154,19 @@ pub(super) fn measure(
     sums
 }
 
+/// Seconds of some replicates of a cell on one thread, worked on as a unit of a run is. Their estimates are let go.
+#[cfg(feature = "studies")]
+pub(super) fn seconds_of(
+    prepared: &Prepared,
+    purpose: Purpose,
+    strategy: Strategy,
+    samples: u64,
+    replicates: Range<u64>,
+) -> f64 {
+    let key = StreamKey::cell(prepared.seed, prepared.digest.key(), purpose, strategy, samples);
+    measure_unit(prepared, strategy, samples, key, replicates).seconds
+}
+
 fn measure_unit(
     prepared: &Prepared,
     strategy: Strategy,
@@ -201,7 +214,7 @@ fn measure_unit(
 
 /// Replicates estimated in one go: enough for small estimates to lie side by side, few enough for the cache. Part of
 /// the format, like the block of the sums: it fixes the order of additions.
-fn replicates_at_once(n_points: usize) -> u64 {
+pub(super) fn replicates_at_once(n_points: usize) -> u64 {
     (32_768 / n_points as u64).clamp(1, 256)
 }
 

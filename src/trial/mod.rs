@@ -9,7 +9,11 @@ mod accept;
 mod converge;
 mod correlation;
 #[cfg(feature = "studies")]
+mod cost;
+#[cfg(feature = "studies")]
 mod forecast;
+#[cfg(feature = "studies")]
+mod growth;
 mod guest;
 #[cfg(feature = "studies")]
 mod images;
@@ -50,7 +54,11 @@ mod techniques;
 #[cfg(feature = "studies")]
 pub use converge::{ConvergenceOutcome, ConvergenceTerms, Level, NoConvergence, judge_convergence};
 #[cfg(feature = "studies")]
+pub use cost::{HierarchyCost, TimeTo, median};
+#[cfg(feature = "studies")]
 pub use forecast::{Forecast, forecast};
+#[cfg(feature = "studies")]
+pub use growth::{Affine, Fits, GrowthStudy, Law, Observation, PowerLaw, growth};
 pub use guest::{
     Asked, AskedCell, FEWEST_PILOT_REPLICATES, Invitation, NotJudged, Take, judge_answers, judge_given, judge_guest,
     judge_sets, questions,

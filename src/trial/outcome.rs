@@ -203,6 +203,8 @@ pub struct Cell {
     /// Points on each source.
     pub samples: u64,
     pub replicates: u64,
+    /// Processor seconds of all its estimates, summed over threads. Like every time, it differs from run to run.
+    pub seconds: f64,
     /// One for each measurement point.
     pub points: Vec<Measured>,
     /// Mean over the points of the bias, W/m².

@@ -36,6 +36,7 @@ pub(super) fn shown(cell: &CellSums, plan: &CellPlan) -> Cell {
     Cell {
         samples: cell.samples,
         replicates: cell.replicates,
+        seconds: cell.seconds,
         points: points.collect(),
         mean_bias: cell.contrasts[0].mean_deviation().unwrap_or(0.0),
         mean_bias_std_error: cell.contrasts[0].std_error().unwrap_or(0.0),

@@ -73,7 +73,15 @@ fn a_run_that_passes_ends_with_zero_and_leaves_its_report() {
         .code(0)
         .stdout(contains("PASS").count(6).and(contains("6 passed, 0 failed, 0 undecided")).and(contains(report)))
         .stderr(is_empty());
-    for file in ["convergence.csv", "rates.csv", "correlation.csv", "verdicts.csv", "timings.csv", "manifest.json"] {
+    for file in [
+        "convergence.csv",
+        "rates.csv",
+        "correlation.csv",
+        "verdicts.csv",
+        "timings.csv",
+        "timings.html",
+        "manifest.json",
+    ] {
         assert!(out.join(file).is_file(), "{file}");
     }
     assert!(out.join("plots/small-variance.svg").is_file());

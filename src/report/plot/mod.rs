@@ -8,6 +8,7 @@ mod bias;
 mod caustic;
 mod correlation;
 mod energy;
+mod growth;
 mod ink;
 mod lecture;
 mod map;
@@ -29,7 +30,7 @@ use rayon::prelude::*;
 use super::ReportError;
 use super::folder::{PLOT_KINDS, file_stems, write_whole};
 use super::image::Rgb;
-use crate::trial::{CaseOutcome, Lecture, ReceiverPicture, RunOutcome};
+use crate::trial::{CaseOutcome, GrowthStudy, Lecture, ReceiverPicture, RunOutcome};
 
 pub(super) use picture::encoded as picture_of;
 
@@ -68,6 +69,12 @@ fn write_case(dir: &Path, stem: &str, case: &CaseOutcome) -> Result<Vec<PathBuf>
         }
     }
     Ok(written)
+}
+
+/// How one cost grows, in each format; nothing where nothing was measured.
+pub(super) fn growth_files(study: &GrowthStudy) -> Vec<(&'static str, Result<Vec<u8>, String>)> {
+    let page = growth::growth(study);
+    page.iter().flat_map(|page| [("svg", svg(page)), ("png", png(page))]).collect()
 }
 
 /// The page as SVG. Coordinates are whole eighths of a point: plotters counts in integers.
