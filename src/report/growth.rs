@@ -220,7 +220,8 @@ fn growth_page(studies: &[GrowthStudy]) -> String {
         "<p>How the cost of an answer grows with one number of its room. Each point is the median of repeats of 20 ms or more \
          on one thread; times are those of this machine, exponents hardly are. Two laws of two numbers each are fitted by least \
          squares of relative deviations: a power of x, and a start with a part in proportion to x (of triangles that a ray \
-         passes: to its logarithm). How far each is off is the root mean square over the points.</p>\n",
+         passes: to its logarithm). How far each is off is the root mean square over the points. Where \
+         starting costs something, the power is smaller than what it tends to, and the line says more.</p>\n",
     );
     let rows: Vec<Vec<Entry>> = studies
         .iter()

@@ -71,9 +71,11 @@ fn by_case<T: Copy>(
     let mut heads = vec!["case".to_owned()];
     heads.extend(names.iter().map(|name| broken(name)));
     let rows: Vec<Vec<Entry>> = measured(outcome)
-        .map(|case| {
+        .filter_map(|case| {
             let values: Vec<Option<T>> =
                 names.iter().map(|name| made_by(case, name).and_then(|made| value(case, made))).collect();
+            // Where no direct light varies there is nothing to compare.
+            values.iter().any(Option::is_some).then_some(())?;
             let known = || values.iter().flatten();
             let best = |one: &T| known().any(|other| better(one, other)) && !known().any(|other| better(other, one));
             let mut row = vec![Entry::from(escaped(&case.name))];
@@ -81,7 +83,7 @@ fn by_case<T: Copy>(
                 Some(value) => Entry { html: show(case, *value), best: best(value) },
                 None => Entry::default(),
             }));
-            row
+            Some(row)
         })
         .collect();
     table(&heads, &rows)

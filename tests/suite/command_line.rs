@@ -523,3 +523,36 @@ fn a_calibration_leaves_its_tables_and_says_whether_any_figure_misses() {
     let said = String::from_utf8(output.stdout).expect("words");
     assert!(said.contains("False alarms") && said.contains("Coverage") && said.contains("Power"), "{said}");
 }
+
+#[test]
+fn the_growth_of_cost_is_measured_fitted_and_drawn() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("growth");
+    std::fs::create_dir_all(out.join("plots")).expect("a folder");
+    std::fs::write(out.join("plots/growth-samples.svg"), "of an earlier run").expect("a file");
+    etendue()
+        .args(["growth", "--quick", "--out"])
+        .arg(&out)
+        .assert()
+        .code(0)
+        .stdout(contains("exponent").and(contains("mesh-rays").and(contains("light-rays"))));
+    let rows = rows(&out.join("growth.csv"));
+    let of = |study: &str| {
+        let own = rows.iter().filter(|row| row["study"] == study);
+        own.map(|row| [&row["x"], &row["seconds"]].map(|cell| cell.parse::<f64>().expect("a number")))
+            .collect::<Vec<_>>()
+    };
+    for study in ["samples", "occluders", "mesh-build", "mesh-rays", "points", "light-rays"] {
+        let seen = of(study);
+        assert!(seen.len() >= 3 && seen.iter().all(|[x, seconds]| *x >= 1.0 && *seconds > 0.0), "{study}: {seen:?}");
+        for format in ["svg", "png"] {
+            let plot = std::fs::read(out.join(format!("plots/growth-{study}.{format}"))).expect("a plot");
+            assert!(plot.len() > 2000, "{study}.{format}");
+        }
+    }
+    // Whatever else runs here: thousands of samples take longer than a few.
+    let samples = of("samples");
+    assert!(samples[samples.len() - 1][1] > samples[0][1], "{samples:?}");
+    let page = std::fs::read_to_string(out.join("growth.html")).expect("a page");
+    assert!(page.starts_with("<!DOCTYPE html>") && page.matches("<svg").count() == 6);
+}
