@@ -10,13 +10,12 @@
 //! depend on the width of the instruction set.
 
 use std::num::NonZero;
-use std::ops::Range;
 
 use super::emitter::{Emitter, Scratch, add_lanes, emitters};
 use super::{Estimator, Job};
 use crate::configuration::Configuration;
 use crate::number::Machine;
-use crate::sampling::{BLOCK, LANES, Lanes, Pattern, Squares, StreamKey, SurfaceBlock, fill_side_by_side};
+use crate::sampling::{BLOCK, LANES, Lanes, Pattern, Squares, Strategy, StreamKey, SurfaceBlock, fill_side_by_side};
 use crate::scene::Surroundings;
 
 /// Estimates irradiance at any point of a configuration.
@@ -67,13 +66,14 @@ struct Place<'a> {
 }
 
 impl Place<'_> {
-    /// The stream of one estimate; `point` counted from 1, 0 where points are shared.
-    fn key(&self, job: &Job, replicate: u64, point: u64) -> StreamKey {
-        job.cell.with(replicate).with(point).with(self.source)
-    }
-
+    /// The points of one estimate; `point` counted from 1, 0 where points are shared.
     fn pattern(&self, job: &Job, replicate: u64, point: u64) -> Pattern {
-        let lanes = Lanes::new(self.key(job, replicate, point), job.samples.min(LANES as u64) as usize);
+        let key = job.cell.with(replicate).with(point).with(self.source);
+        let lanes = if job.samples < LANES as u64 {
+            Lanes::new(key, job.samples as usize)
+        } else {
+            Lanes::new_on(self.machine, key)
+        };
         Pattern::new(job.strategy, job.samples, lanes)
     }
 
@@ -97,9 +97,13 @@ impl Place<'_> {
                     let len = left.min(BLOCK as u64) as usize;
                     pattern.fill_on(self.machine, squares, len);
                     self.emitter.place(self.machine, squares, len, places);
-                    self.emitter.illuminate(self.machine, point, places, len, shading);
-                    self.emitter.weigh(places, len, shading);
-                    shading.add_to(self.machine, &mut sum, len);
+                    if self.emitter.is_plain() {
+                        self.emitter.gather(self.machine, point, places, len, &mut sum);
+                    } else {
+                        self.emitter.illuminate(self.machine, point, places, len, shading);
+                        self.emitter.weigh(places, len, shading);
+                        shading.add_to(self.machine, &mut sum, len);
+                    }
                     left -= len as u64;
                 }
                 estimates[p * self.stride + r] += self.emitter.strength * add_lanes(&sum) / job.samples as f64;
@@ -121,9 +125,13 @@ impl Place<'_> {
                 self.emitter.place(self.machine, squares, len, places);
                 self.emitter.read(places, len, exitances);
                 for (point, sum) in job.points.iter().zip(sums.iter_mut()) {
-                    self.emitter.illuminate(self.machine, point, places, len, shading);
-                    self.emitter.weigh_by(self.machine, exitances, len, shading);
-                    shading.add_to(self.machine, sum, len);
+                    if self.emitter.is_plain() {
+                        self.emitter.gather(self.machine, point, places, len, sum);
+                    } else {
+                        self.emitter.illuminate(self.machine, point, places, len, shading);
+                        self.emitter.weigh_by(self.machine, exitances, len, shading);
+                        shading.add_to(self.machine, sum, len);
+                    }
                 }
                 left -= len as u64;
             }
@@ -133,21 +141,16 @@ impl Place<'_> {
         }
     }
 
-    /// Points of a small estimate's replicates, side by side; `point` as in [`Place::key`].
+    /// Points of small estimates, side by side; `point` as in [`Place::pattern`].
     fn scatter<const N: usize>(
         &self,
-        job: &Job,
-        replicates: Range<u64>,
+        strategy: Strategy,
+        keys: &[StreamKey],
         point: u64,
-        keys: &mut Vec<StreamKey>,
         squares: &mut Squares,
         places: &mut SurfaceBlock,
     ) {
-        keys.clear();
-        for replicate in replicates {
-            keys.push(self.key(job, replicate, point));
-        }
-        fill_side_by_side(self.machine, job.strategy, N, keys, squares);
+        fill_side_by_side(self.machine, strategy, N, keys, [point, self.source], squares);
         self.emitter.place(self.machine, squares, N * keys.len(), places);
     }
 
@@ -158,14 +161,15 @@ impl Place<'_> {
         for start in (0..self.stride).step_by(BLOCK / N) {
             let count = (self.stride - start).min(BLOCK / N);
             let first = job.replicates.start + start as u64;
-            let replicates = first..first + count as u64;
+            keys.clear();
+            keys.extend((first..first + count as u64).map(|replicate| job.cell.with(replicate)));
             if job.strategy.shares_points() {
-                self.scatter::<N>(job, replicates.clone(), 0, keys, squares, places);
+                self.scatter::<N>(job.strategy, keys, 0, squares, places);
                 self.emitter.read(places, N * count, exitances);
             }
             for (p, point) in job.points.iter().enumerate() {
                 if !job.strategy.shares_points() {
-                    self.scatter::<N>(job, replicates.clone(), p as u64 + 1, keys, squares, places);
+                    self.scatter::<N>(job.strategy, keys, p as u64 + 1, squares, places);
                 }
                 self.emitter.illuminate(self.machine, point, places, N * count, shading);
                 if job.strategy.shares_points() {

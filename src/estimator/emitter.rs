@@ -4,11 +4,12 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use glam::DVec3;
+use smallvec::SmallVec;
 
 use crate::configuration::{Configuration, MeasurementPoint, Source};
 use crate::number::{Eight, Lanewise, Machine, Registers, Work};
 use crate::sampling::{BLOCK, LANES, Row, Squares, StreamKey, Surface, SurfaceBlock, groups};
-use crate::scene::{Blocker, ShadowCache, ShadowRays, Surroundings};
+use crate::scene::{Blocker, Displacement, ShadowCache, ShadowRays, Stop, Surroundings};
 use crate::texture::Texture;
 
 /// A source, and what can come between it and a shading point.
@@ -29,7 +30,7 @@ pub struct Scratch {
     pub(super) shading: Shading,
     /// One sum of lanes for each point, where points are shared.
     pub(super) sums: Vec<[f64; LANES]>,
-    /// Keys of estimates side by side.
+    /// Keys of replicates side by side.
     pub(super) keys: Vec<StreamKey>,
 }
 
@@ -141,11 +142,47 @@ impl Emitter {
         len: usize,
         shading: &mut Shading,
     ) {
-        machine.run(Unoccluded { emitter: self, point, places, len, shading });
         let Shading { rays, contributions, caches } = shading;
+        let mut stops = SmallVec::<[Stop; 2]>::new();
+        self.stops(point, &mut stops);
+        let rays_of_meshes = self.has_meshes().then_some(&mut *rays);
+        machine.run(Lit { emitter: self, point, places, len, stops: &stops, rays: rays_of_meshes, contributions });
         caches.resize_with(caches.len().max(self.blockers.len()), ShadowCache::default);
-        for (blocker, cache) in self.blockers.iter().zip(caches) {
+        for (blocker, cache) in self.blockers.iter().zip(caches).filter(|(blocker, _)| blocker.is_mesh()) {
             blocker.shade_on(machine, point.position(), rays, len, contributions, Some(cache));
+        }
+    }
+
+    /// As [`Emitter::illuminate`], and adds the contributions to the lanes of a sum. Only of emitters that
+    /// [`Emitter::is_plain`] holds of: nothing need be kept then.
+    pub(super) fn gather(
+        &self,
+        machine: Machine,
+        point: &MeasurementPoint,
+        places: &SurfaceBlock,
+        len: usize,
+        sum: &mut [f64; LANES],
+    ) {
+        let mut stops = SmallVec::<[Stop; 2]>::new();
+        self.stops(point, &mut stops);
+        machine.run(Gathered { emitter: self, point, places, len, stops: &stops, sum });
+    }
+
+    /// Whether its exitance is the same all over, and nothing but analytic shapes stands before it.
+    pub(super) fn is_plain(&self) -> bool {
+        self.texture.is_none() && !self.has_meshes()
+    }
+
+    fn has_meshes(&self) -> bool {
+        self.blockers.iter().any(|blocker| blocker.is_mesh())
+    }
+
+    /// What its analytic blockers are to a point.
+    fn stops<'a>(&'a self, point: &MeasurementPoint, stops: &mut SmallVec<[Stop<'a>; 2]>) {
+        for blocker in &self.blockers {
+            if let Some(stop) = blocker.stop(point.position()) {
+                stops.push(stop);
+            }
         }
     }
 
@@ -202,75 +239,151 @@ impl Work for Weighed<'_> {
     }
 }
 
-/// See [`Emitter::illuminate`], without what stands in between.
-struct Unoccluded<'a> {
+/// See [`Emitter::illuminate`]; without what meshes stop, for which the rays are kept.
+struct Lit<'a> {
     emitter: &'a Emitter,
     point: &'a MeasurementPoint,
     places: &'a SurfaceBlock,
     len: usize,
-    shading: &'a mut Shading,
+    stops: &'a [Stop<'a>],
+    rays: Option<&'a mut ShadowRays>,
+    contributions: &'a mut Row,
 }
 
-impl Work for Unoccluded<'_> {
+impl Work for Lit<'_> {
     type Output = ();
 
-    #[expect(clippy::needless_range_loop, reason = "one index over several rows")]
     #[inline(always)]
     fn run<R: Registers>(self, registers: R) {
-        let Unoccluded { emitter, point, places, len, shading } = self;
-        let offset = emitter.surface.origin() - point.position();
-        let normal = point.normal();
-        let Shading { rays, contributions, .. } = shading;
-        if let Some(source_normal) = emitter.surface.flat_normal() {
-            // r cosθₛ is the height of the point over the source's plane, the same for the whole source.
-            let height = (-offset.dot(source_normal)).max(0.0);
+        let Lit { emitter, point, places, len, stops, rays, contributions } = self;
+        if let Some(rays) = rays {
+            let offset = emitter.surface.origin() - point.position();
             for g in 0..groups(len) {
-                let (x, y, z) = displaced(registers, offset, places, g);
-                keep(rays, g, (x, y, z));
-                let r2 = x * x + y * y + z * z;
-                let cosine = (x * normal.x + y * normal.y + z * normal.z).positive();
-                (cosine * height / (r2 * r2)).store(&mut contributions[g]);
-            }
-        } else if let Some(radius) = emitter.surface.sphere_radius() {
-            for g in 0..groups(len) {
-                let (x, y, z) = displaced(registers, offset, places, g);
-                keep(rays, g, (x, y, z));
-                let r2 = x * x + y * y + z * z;
-                let cosine = (x * normal.x + y * normal.y + z * normal.z).positive();
-                // r cosθₛ with the sphere's normal at the point, its offset over the radius.
-                let [px, py, pz] = [&places.x[g], &places.y[g], &places.z[g]];
-                let (px, py, pz) =
-                    (Eight::load(registers, px), Eight::load(registers, py), Eight::load(registers, pz));
-                let height = -(px * x + py * y + pz * z) / radius;
-                (cosine * height.positive() / (r2 * r2)).store(&mut contributions[g]);
+                let [x, y, z] = displaced(registers, offset, places, g);
+                x.store(&mut rays.x[g]);
+                y.store(&mut rays.y[g]);
+                z.store(&mut rays.z[g]);
             }
         }
+        light(registers, emitter, point, places, len, stops, Kept(contributions));
         if !len.is_multiple_of(LANES) {
             contributions[len / LANES][len % LANES..].fill(0.0);
         }
     }
 }
 
-/// From the shading point to eight places.
-#[inline(always)]
-fn displaced<R: Registers>(
+/// See [`Emitter::gather`].
+struct Gathered<'a> {
+    emitter: &'a Emitter,
+    point: &'a MeasurementPoint,
+    places: &'a SurfaceBlock,
+    len: usize,
+    stops: &'a [Stop<'a>],
+    sum: &'a mut [f64; LANES],
+}
+
+impl Work for Gathered<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<R: Registers>(self, registers: R) {
+        let Gathered { emitter, point, places, len, stops, sum } = self;
+        let added = Added { registers, len, sum: Eight::load(registers, sum) };
+        light(registers, emitter, point, places, len, stops, added).sum.store(sum);
+    }
+}
+
+/// What becomes of the contributions of eight places.
+trait Brought<R: Registers> {
+    fn take(&mut self, group: usize, contributions: Eight<R>);
+}
+
+struct Kept<'a>(&'a mut Row);
+
+impl<R: Registers> Brought<R> for Kept<'_> {
+    #[inline(always)]
+    fn take(&mut self, group: usize, contributions: Eight<R>) {
+        contributions.store(&mut self.0[group]);
+    }
+}
+
+struct Added<R: Registers> {
     registers: R,
-    offset: DVec3,
+    len: usize,
+    sum: Eight<R>,
+}
+
+impl<R: Registers> Brought<R> for Added<R> {
+    #[inline(always)]
+    fn take(&mut self, group: usize, contributions: Eight<R>) {
+        let left = self.len - group * LANES;
+        if left >= LANES {
+            self.sum = self.sum + contributions;
+        } else {
+            let mut lanes = [0.0; LANES];
+            contributions.store(&mut lanes);
+            lanes[left..].fill(0.0);
+            self.sum = self.sum + Eight::load(self.registers, &lanes);
+        }
+    }
+}
+
+/// cosθᵢ cosθₛ / r² · Vis of a block of places, group by group.
+#[inline(always)]
+fn light<R: Registers, B: Brought<R>>(
+    registers: R,
+    emitter: &Emitter,
+    point: &MeasurementPoint,
     places: &SurfaceBlock,
-    g: usize,
-) -> (Eight<R>, Eight<R>, Eight<R>) {
-    (
+    len: usize,
+    stops: &[Stop],
+    mut brought: B,
+) -> B {
+    let offset = emitter.surface.origin() - point.position();
+    let normal = point.normal();
+    if let Some(source_normal) = emitter.surface.flat_normal() {
+        // r cosθₛ is the height of the point over the source's plane, the same for the whole source.
+        let height = (-offset.dot(source_normal)).max(0.0);
+        for g in 0..groups(len) {
+            let ray = displaced(registers, offset, places, g);
+            let [x, y, z] = ray;
+            let r2 = x * x + y * y + z * z;
+            let cosine = (x * normal.x + y * normal.y + z * normal.z).positive();
+            let mut light = cosine * height / (r2 * r2);
+            for stop in stops {
+                light = stop.dim(ray, light);
+            }
+            brought.take(g, light);
+        }
+    } else if let Some(radius) = emitter.surface.sphere_radius() {
+        for g in 0..groups(len) {
+            let ray = displaced(registers, offset, places, g);
+            let [x, y, z] = ray;
+            let r2 = x * x + y * y + z * z;
+            let cosine = (x * normal.x + y * normal.y + z * normal.z).positive();
+            // r cosθₛ with the sphere's normal at the point, its offset over the radius.
+            let px = Eight::load(registers, &places.x[g]);
+            let py = Eight::load(registers, &places.y[g]);
+            let pz = Eight::load(registers, &places.z[g]);
+            let height = -(px * x + py * y + pz * z) / radius;
+            let mut light = cosine * height.positive() / (r2 * r2);
+            for stop in stops {
+                light = stop.dim(ray, light);
+            }
+            brought.take(g, light);
+        }
+    }
+    brought
+}
+
+/// Eight places of a block, moved by an offset.
+#[inline(always)]
+fn displaced<R: Registers>(registers: R, offset: DVec3, places: &SurfaceBlock, g: usize) -> Displacement<Eight<R>> {
+    [
         Eight::load(registers, &places.x[g]) + offset.x,
         Eight::load(registers, &places.y[g]) + offset.y,
         Eight::load(registers, &places.z[g]) + offset.z,
-    )
-}
-
-#[inline(always)]
-fn keep<R: Registers>(rays: &mut ShadowRays, g: usize, (x, y, z): (Eight<R>, Eight<R>, Eight<R>)) {
-    x.store(&mut rays.x[g]);
-    y.store(&mut rays.y[g]);
-    z.store(&mut rays.z[g]);
+    ]
 }
 
 /// The lanes of a sum, added in a fixed order.

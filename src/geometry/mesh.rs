@@ -81,6 +81,7 @@ impl Mesh {
             let (ab, bc, ca) = (midpoint(a, b), midpoint(b, c), midpoint(c, a));
             triangles.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
         }
+        vertices.shrink_to_fit();
         Mesh { vertices, triangles }
     }
 }

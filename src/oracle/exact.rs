@@ -275,6 +275,14 @@ impl Oracle {
         if seen.nothing_hidden() && doubt == 0.0 {
             return Seen { touching: seen.touching, ..whole() };
         }
+        // Where the contours of all of them leave it open, one alone may settle it: more in the way makes nothing lighter.
+        let hides = |one: &Piece| {
+            let seen = penumbra::visible(n, &piece, std::slice::from_ref(one));
+            seen.nothing_seen() && seen.doubt == 0.0
+        };
+        if !seen.surely_seen && pieces.len() > 1 && pieces.iter().any(hides) {
+            return Seen { touching: seen.touching, ..Seen::hidden(unoccluded.value) };
+        }
         self.judged(seen, unoccluded, &piece, blockers, own, point)
     }
 

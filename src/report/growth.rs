@@ -74,7 +74,7 @@ pub(super) fn growth<'a>() -> Table<GrowthRow<'a>> {
             column!("quantity", "", "what x counts", |r| r.0.quantity),
             column!("x", "", "how many of them", |r| r.1.x),
             column!("timed", "", "what the seconds are of", |r| r.0.timed),
-            column!("seconds", "s", "processor time of one thread, median of the repeats", |r| r.1.seconds),
+            column!("seconds", "s", "time of one thread, median of the repeats", |r| r.1.seconds),
             column!("seconds_low", "s", "the quickest repeat", |r| r.1.seconds_low),
             column!("seconds_high", "s", "the slowest repeat", |r| r.1.seconds_high),
             column!("unit", "", "what per_unit_ns is of", |r| r.0.unit),

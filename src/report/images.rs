@@ -7,6 +7,7 @@ use serde_json::json;
 use super::ReportError;
 use super::column::{Column, Table};
 use super::folder::{claim_files, write_whole};
+use super::page::escaped;
 use crate::statistics::Verdict;
 use crate::statistics::evidence::THRESHOLD_LOG10;
 use crate::trial::{ImagesOutcome, JudgedProperty, Part, Pixel};
@@ -183,22 +184,6 @@ fn json_of(outcome: &ImagesOutcome) -> String {
     self::document(&document)
 }
 
-fn escaped(text: &str) -> String {
-    let mut safe = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => safe.push_str("&amp;"),
-            '<' => safe.push_str("&lt;"),
-            '>' => safe.push_str("&gt;"),
-            '"' => safe.push_str("&quot;"),
-            // XML knows no control characters.
-            c if c.is_control() => safe.push(' '),
-            c => safe.push(c),
-        }
-    }
-    safe
-}
-
 /// JUnit's form: a test case for each verdict.
 pub(super) fn junit(case: &str, name: &str, verdicts: &[JudgedProperty]) -> String {
     let count = |verdict| verdicts.iter().filter(|judged| judged.verdict == verdict).count();
@@ -330,14 +315,4 @@ fn difference_map(outcome: &ImagesOutcome) -> Map {
     let off = |pixel: &Pixel| pixel.mean - pixel.truth.irradiance;
     let largest = outcome.pixels.iter().map(|pixel| off(pixel).abs()).fold(f64::MIN_POSITIVE, f64::max);
     Map::of(outcome, &|pixel| Some(off(pixel) / largest))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_is_said_stays_text() {
-        assert_eq!(escaped("a<b & \"c\"\u{7}"), "a&lt;b &amp; &quot;c&quot; ");
-    }
 }

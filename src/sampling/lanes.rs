@@ -4,6 +4,7 @@
 //! of the eight lanes lie next to each other, so that one step is eight independent streams in vector registers.
 
 use super::seed::{StreamKey, mix, mix_again};
+use crate::number::{Machine, Registers, Work};
 
 /// Generators side by side.
 pub const LANES: usize = 8;
@@ -22,37 +23,60 @@ impl Lanes {
     ///
     /// - `used`: lanes that will be read (an estimate of N < 8 samples reads N); the rest stay unseeded and are never
     ///   looked at.
-    pub fn new(key: StreamKey, used: usize) -> Lanes {
-        let mut lanes = Lanes { state: [[0; LANES]; 4] };
-        for lane in 0..used.min(LANES) {
-            lanes.seed(lane, key, lane);
-        }
-        lanes
-    }
-
-    /// Lanes of several keys side by side: lane l is lane l mod `width` of key l / `width`, as [`Lanes::new`] seeds it.
-    /// Missing keys leave their lanes unseeded.
-    ///
-    /// - `width`: 1, 2, 4 or 8
     #[inline(always)]
-    pub fn side_by_side(keys: &[StreamKey], width: usize) -> Lanes {
+    pub fn new(key: StreamKey, used: usize) -> Lanes {
+        if used >= LANES {
+            return Lanes::seeded([key.first; LANES], [key.second; LANES], LANES);
+        }
         let mut lanes = Lanes { state: [[0; LANES]; 4] };
-        for (index, key) in keys.iter().enumerate().take(LANES / width) {
-            for lane in 0..width {
-                lanes.seed(index * width + lane, *key, lane);
+        for (word, row) in lanes.state.iter_mut().enumerate() {
+            for (lane, state) in row[..used].iter_mut().enumerate() {
+                *state = seed(word, key.first, key.second, lane);
             }
         }
         lanes
     }
 
-    /// Puts lane `stream` of a key at place `lane`.
+    /// As [`Lanes::new`] of all lanes, in the registers of a machine.
+    pub(crate) fn new_on(machine: Machine, key: StreamKey) -> Lanes {
+        machine.run(Seeding(key))
+    }
+
+    /// Lanes of several keys side by side: lane l is lane l mod `width` of key l / `width`, as [`Lanes::new`] seeds it.
+    /// Of missing keys the lanes mean nothing.
+    ///
+    /// - `keys`: one at least; `below`: words that each key takes in first; `width`: 1, 2, 4 or 8
     #[inline(always)]
-    fn seed(&mut self, lane: usize, key: StreamKey, stream: usize) {
-        for (word, row) in self.state.iter_mut().enumerate() {
-            let step = STEP.wrapping_mul((2 * stream + word % 2 + 1) as u64);
-            row[lane] =
-                if word < 2 { mix(key.first.wrapping_add(step)) } else { mix_again(key.second.wrapping_add(step)) };
+    pub fn side_by_side(keys: &[StreamKey], below: [u64; 2], width: usize) -> Lanes {
+        let (mut first, mut second) = ([0; LANES], [0; LANES]);
+        for lane in 0..LANES {
+            let key = keys[(lane / width).min(keys.len() - 1)];
+            (first[lane], second[lane]) = (key.first, key.second);
         }
+        for word in below {
+            for lane in 0..LANES {
+                let key = StreamKey { first: first[lane], second: second[lane] }.with(word);
+                (first[lane], second[lane]) = (key.first, key.second);
+            }
+        }
+        Lanes::seeded(first, second, width)
+    }
+
+    /// All lanes at once, which is what vector registers like; lane l is lane l mod `width` of its key.
+    #[inline(always)]
+    fn seeded(first: [u64; LANES], second: [u64; LANES], width: usize) -> Lanes {
+        let mut lanes = Lanes { state: [[0; LANES]; 4] };
+        for (word, row) in lanes.state.iter_mut().enumerate() {
+            for lane in 0..LANES {
+                row[lane] = seed(word, first[lane], second[lane], lane % width);
+            }
+        }
+        lanes
+    }
+
+    /// The state of the first lane of a key, for [`step`].
+    pub(super) fn first(key: StreamKey) -> [u64; 4] {
+        std::array::from_fn(|word| seed(word, key.first, key.second, 0))
     }
 
     /// The next word of each lane.
@@ -61,14 +85,9 @@ impl Lanes {
         let [s0, s1, s2, s3] = &mut self.state;
         let mut result = [0; LANES];
         for l in 0..LANES {
-            result[l] = s0[l].wrapping_add(s3[l]).rotate_left(23).wrapping_add(s0[l]);
-            let t = s1[l] << 17;
-            s2[l] ^= s0[l];
-            s3[l] ^= s1[l];
-            s1[l] ^= s2[l];
-            s0[l] ^= s3[l];
-            s2[l] ^= t;
-            s3[l] = s3[l].rotate_left(45);
+            let (word, next) = step([s0[l], s1[l], s2[l], s3[l]]);
+            result[l] = word;
+            [s0[l], s1[l], s2[l], s3[l]] = next;
         }
         result
     }
@@ -80,6 +99,33 @@ impl Lanes {
     #[inline(always)]
     pub fn next_units(&mut self) -> [f64; LANES] {
         self.next_words().map(|word| f64::from_bits((word >> 12) | 0x3ff0_0000_0000_0000) - 1.0)
+    }
+}
+
+/// One generator's next word, and its state after that.
+#[inline(always)]
+pub(super) fn step([s0, s1, s2, s3]: [u64; 4]) -> (u64, [u64; 4]) {
+    let word = s0.wrapping_add(s3).rotate_left(23).wrapping_add(s0);
+    let (two, three) = (s2 ^ s0, s3 ^ s1);
+    (word, [s0 ^ three, s1 ^ two, two ^ (s1 << 17), three.rotate_left(45)])
+}
+
+/// A word of the state of a key's lane.
+#[inline(always)]
+fn seed(word: usize, first: u64, second: u64, lane: usize) -> u64 {
+    let step = STEP.wrapping_mul((2 * lane + word % 2 + 1) as u64);
+    if word < 2 { mix(first.wrapping_add(step)) } else { mix_again(second.wrapping_add(step)) }
+}
+
+/// See [`Lanes::new_on`].
+struct Seeding(StreamKey);
+
+impl Work for Seeding {
+    type Output = Lanes;
+
+    #[inline(always)]
+    fn run<R: Registers>(self, _: R) -> Lanes {
+        Lanes::new(self.0, LANES)
     }
 }
 

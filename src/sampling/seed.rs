@@ -33,6 +33,7 @@ impl StreamKey {
     }
 
     /// The key of everything below `word`.
+    #[inline(always)]
     pub fn with(self, word: u64) -> StreamKey {
         StreamKey {
             first: mix(self.first.rotate_left(23).wrapping_add(word)),
@@ -50,6 +51,7 @@ impl StreamKey {
 }
 
 /// Stafford's variant 13 of the MurmurHash3 finaliser, as in SplitMix64 (Steele, Lea & Flood 2014).
+#[inline(always)]
 pub(super) fn mix(mut z: u64) -> u64 {
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -57,6 +59,7 @@ pub(super) fn mix(mut z: u64) -> u64 {
 }
 
 /// The MurmurHash3 finaliser itself (Appleby 2011).
+#[inline(always)]
 pub(super) fn mix_again(mut z: u64) -> u64 {
     z = (z ^ (z >> 33)).wrapping_mul(0xff51_afd7_ed55_8ccd);
     z = (z ^ (z >> 33)).wrapping_mul(0xc4ce_b9fe_1a85_ec53);

@@ -4,16 +4,16 @@ use std::convert::Infallible;
 
 use rand::TryRng;
 
-use super::lanes::Lanes;
+use super::lanes::{Lanes, step};
 use super::seed::StreamKey;
 
 /// The first lane of a key, as a generator for everything that `rand` can draw.
 #[derive(Clone, Debug)]
-pub struct Stream(Lanes);
+pub struct Stream([u64; 4]);
 
 impl Stream {
     pub fn new(key: StreamKey) -> Stream {
-        Stream(Lanes::new(key, 1))
+        Stream(Lanes::first(key))
     }
 }
 
@@ -25,12 +25,14 @@ impl TryRng for Stream {
     }
 
     fn try_next_u64(&mut self) -> Result<u64, Infallible> {
-        Ok(self.0.next_words()[0])
+        let (word, next) = step(self.0);
+        self.0 = next;
+        Ok(word)
     }
 
     fn try_fill_bytes(&mut self, bytes: &mut [u8]) -> Result<(), Infallible> {
         for chunk in bytes.chunks_mut(8) {
-            chunk.copy_from_slice(&self.0.next_words()[0].to_le_bytes()[..chunk.len()]);
+            chunk.copy_from_slice(&self.try_next_u64()?.to_le_bytes()[..chunk.len()]);
         }
         Ok(())
     }
@@ -45,6 +47,9 @@ mod tests {
     #[test]
     fn the_stream_is_the_first_lane() {
         let key = StreamKey::root(1).with(2);
-        assert_eq!(Stream::new(key).next_u64(), Lanes::new(key, LANES).next_words()[0]);
+        let (mut stream, mut lanes) = (Stream::new(key), Lanes::new(key, LANES));
+        for _ in 0..100 {
+            assert_eq!(stream.next_u64(), lanes.next_words()[0]);
+        }
     }
 }

@@ -121,48 +121,69 @@ impl Blocker {
     ) {
         match self {
             Blocker::Mesh(hierarchy) => hierarchy.shade(from, rays, len, contributions, cache),
-            analytic => machine.run(Shade { blocker: analytic, from, rays, len, contributions }),
+            analytic => {
+                if let Some(stop) = analytic.stop(from) {
+                    machine.run(Shade { stop, rays, len, contributions });
+                }
+            }
         }
     }
 
-    /// As [`Blocker::shade`], in these registers.
-    #[inline(always)]
-    fn shade_in<R: Registers>(
-        &self,
-        registers: R,
-        from: DVec3,
-        rays: &ShadowRays,
-        len: usize,
-        contributions: &mut Row,
-    ) {
+    /// What this is to the rays from one point; `None` where it stops none, and of a mesh.
+    pub(crate) fn stop(&self, from: DVec3) -> Option<Stop<'_>> {
         match self {
             Blocker::Disk { center, frame, radius } => {
-                let Some(plane) = Facing::new(from - *center, frame.normal) else { return };
-                let disk = InDisk { x: plane.seen(frame.tangent), y: plane.seen(frame.bitangent), radius: *radius };
-                shade_by(registers, Through { plane, inside: disk }, rays, len, contributions);
+                let plane = Facing::new(from - *center, frame.normal)?;
+                let inside = InDisk { x: plane.seen(frame.tangent), y: plane.seen(frame.bitangent), radius: *radius };
+                Some(Stop::Disk(Through { plane, inside }))
             }
             Blocker::Parallelogram { center, normal, dual_u, dual_v } => {
-                let Some(plane) = Facing::new(from - *center, *normal) else { return };
+                let plane = Facing::new(from - *center, *normal)?;
                 let inside = InParallelogram { u: plane.seen(*dual_u), v: plane.seen(*dual_v) };
-                shade_by(registers, Through { plane, inside }, rays, len, contributions);
+                Some(Stop::Parallelogram(Through { plane, inside }))
             }
             Blocker::Polygon { anchor, frame, edges } => {
-                let Some(plane) = Facing::new(from - *anchor, frame.normal) else { return };
+                let plane = Facing::new(from - *anchor, frame.normal)?;
                 let inside = InOutline { x: plane.seen(frame.tangent), y: plane.seen(frame.bitangent), edges };
-                shade_by(registers, Through { plane, inside }, rays, len, contributions);
+                Some(Stop::Outline(Through { plane, inside }))
             }
             Blocker::Ball { center, radius_squared } => {
-                let ball = Ball { offset: from - *center, radius_squared: *radius_squared };
-                shade_by(registers, ball, rays, len, contributions);
+                Some(Stop::Ball(Ball { offset: from - *center, radius_squared: *radius_squared }))
             }
-            Blocker::Mesh(hierarchy) => hierarchy.shade(from, rays, len, contributions, None),
+            Blocker::Mesh(_) => None,
         }
+    }
+
+    /// What [`Blocker::stop`] has no answer for.
+    pub(crate) fn is_mesh(&self) -> bool {
+        matches!(self, Blocker::Mesh(_))
+    }
+}
+
+/// An analytic blocker as one shading point sees it.
+pub(crate) enum Stop<'a> {
+    Disk(Through<InDisk>),
+    Parallelogram(Through<InParallelogram>),
+    Outline(Through<InOutline<'a>>),
+    Ball(Ball),
+}
+
+impl Stop<'_> {
+    /// What is left of the light along these displacements.
+    #[inline(always)]
+    pub(crate) fn dim<T: Lanewise>(&self, ray: Displacement<T>, light: T) -> T {
+        let stops = match self {
+            Stop::Disk(disk) => disk.stops(ray),
+            Stop::Parallelogram(parallelogram) => parallelogram.stops(ray),
+            Stop::Outline(outline) => outline.stops(ray),
+            Stop::Ball(ball) => ball.stops(ray),
+        };
+        T::choose(stops, light.like(0.0), light)
     }
 }
 
 struct Shade<'a> {
-    blocker: &'a Blocker,
-    from: DVec3,
+    stop: Stop<'a>,
     rays: &'a ShadowRays,
     len: usize,
     contributions: &'a mut Row,
@@ -171,15 +192,24 @@ struct Shade<'a> {
 impl Work for Shade<'_> {
     type Output = ();
 
+    #[expect(clippy::needless_range_loop, reason = "one index over several rows")]
     #[inline(always)]
     fn run<R: Registers>(self, registers: R) {
-        let Shade { blocker, from, rays, len, contributions } = self;
-        blocker.shade_in(registers, from, rays, len, contributions);
+        let Shade { stop, rays, len, contributions } = self;
+        for g in 0..groups(len) {
+            let ray = [
+                Eight::load(registers, &rays.x[g]),
+                Eight::load(registers, &rays.y[g]),
+                Eight::load(registers, &rays.z[g]),
+            ];
+            let lit = Eight::load(registers, &contributions[g]);
+            stop.dim(ray, lit).store(&mut contributions[g]);
+        }
     }
 }
 
 /// One displacement, or several side by side.
-type Displacement<T> = [T; 3];
+pub(crate) type Displacement<T> = [T; 3];
 
 #[inline(always)]
 fn dot<T: Lanewise>([x, y, z]: Displacement<T>, by: DVec3) -> T {
@@ -195,20 +225,6 @@ fn length_squared<T: Lanewise>([x, y, z]: Displacement<T>) -> T {
 trait Stops {
     /// Which rays, of these displacements.
     fn stops<T: Lanewise>(&self, ray: Displacement<T>) -> T::Which;
-}
-
-#[expect(clippy::needless_range_loop, reason = "one index over several rows")]
-#[inline(always)]
-fn shade_by<R: Registers>(registers: R, what: impl Stops, rays: &ShadowRays, len: usize, contributions: &mut Row) {
-    for g in 0..groups(len) {
-        let ray = [
-            Eight::load(registers, &rays.x[g]),
-            Eight::load(registers, &rays.y[g]),
-            Eight::load(registers, &rays.z[g]),
-        ];
-        let lit = Eight::load(registers, &contributions[g]);
-        Eight::choose(what.stops(ray), lit.like(0.0), lit).store(&mut contributions[g]);
-    }
 }
 
 /// The plane of a flat piece as a shading point sees it. A ray d falls by s = d · `down` towards it and meets it at parameter
@@ -242,7 +258,7 @@ impl Facing {
 }
 
 /// Rays through a part of a plane.
-struct Through<I> {
+pub(crate) struct Through<I> {
     plane: Facing,
     inside: I,
 }
@@ -261,7 +277,7 @@ impl<I: Inside> Stops for Through<I> {
     }
 }
 
-struct InDisk {
+pub(crate) struct InDisk {
     x: DVec3,
     y: DVec3,
     radius: f64,
@@ -276,7 +292,7 @@ impl Inside for InDisk {
 }
 
 /// Both dual coordinates below ½ in size.
-struct InParallelogram {
+pub(crate) struct InParallelogram {
     u: DVec3,
     v: DVec3,
 }
@@ -289,7 +305,7 @@ impl Inside for InParallelogram {
     }
 }
 
-struct InOutline<'a> {
+pub(crate) struct InOutline<'a> {
     x: DVec3,
     y: DVec3,
     edges: &'a [Edge],
@@ -309,7 +325,7 @@ impl Inside for InOutline<'_> {
     }
 }
 
-struct Ball {
+pub(crate) struct Ball {
     /// The shading point, from the middle.
     offset: DVec3,
     radius_squared: f64,

@@ -44,11 +44,9 @@ impl Hierarchy {
         }
         let middle = low * 0.5 + high * 0.5;
         let scale = 1.0 / (high - middle).max_element().max(f64::MIN_POSITIVE);
-        let corners: Vec<[DVec3; 3]> = (0..mesh.triangles().len()).map(|t| mesh.corners(t)).collect();
-        let boxes: Vec<Aabb> = corners
-            .iter()
+        let boxes: Vec<Aabb> = (0..mesh.triangles().len())
             .map(|triangle| {
-                let points = triangle.map(|p| ((p - middle) * scale).as_vec3a());
+                let points = mesh.corners(triangle).map(|p| ((p - middle) * scale).as_vec3a());
                 Aabb::new(
                     points[0].min(points[1]).min(points[2]) - Vec3A::splat(PADDING),
                     points[0].max(points[1]).max(points[2]) + Vec3A::splat(PADDING),
@@ -57,6 +55,7 @@ impl Hierarchy {
             .collect();
         let mut spent = std::time::Duration::ZERO;
         let bvh = build_bvh2(&boxes, BvhBuildParams::medium_build(), &mut spent);
+        drop(boxes);
         Hierarchy { wide: Wide::new(&bvh, mesh, middle, scale), middle, scale }
     }
 

@@ -17,6 +17,7 @@ mod surroundings;
 mod wide;
 
 pub use blocker::{Blocker, ShadowRays};
+pub(crate) use blocker::{Displacement, Stop};
 #[cfg(feature = "studies")]
 pub use first_met::Met;
 pub use hierarchy::Hierarchy;

@@ -280,6 +280,10 @@ impl Wide {
                 };
             }
         }
+        // What grew by doubling holds up to twice what it needs.
+        wide.nodes.shrink_to_fit();
+        wide.packs.shrink_to_fit();
+        wide.faces.shrink_to_fit();
         wide
     }
 

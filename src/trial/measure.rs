@@ -8,6 +8,7 @@ use super::predict::Predictions;
 use crate::case::Case;
 use crate::configuration::Digest;
 use crate::estimator::{Estimator, Job, Scratch};
+use crate::number::{Machine, Registers, Work};
 use crate::oracle::Truth;
 use crate::sampling::{Purpose, Strategy, StreamKey};
 use crate::statistics::PowerSums;
@@ -187,6 +188,7 @@ fn measure_unit(
     let mut estimates = Vec::new();
     let mut combined = Vec::new();
     let step = replicates_at_once(points.len());
+    let machine = Machine::new();
     for first in replicates.clone().step_by(step as usize) {
         let part = first..(first + step).min(replicates.end);
         let count = (part.end - part.start) as usize;
@@ -197,7 +199,8 @@ fn measure_unit(
         combined.resize(unit.contrasts.len() * count, 0.0);
         for (p, (sums, row)) in unit.points.iter_mut().zip(estimates.chunks_exact(count)).enumerate() {
             sums.extend(row);
-            add_weighed(&prepared.contrasts.weights, p, row, &mut combined);
+            let weights = prepared.contrasts.weights.as_slice();
+            machine.run(Weighing { weights, point: p, estimates: row, sums: &mut combined });
         }
         for (sums, row) in unit.contrasts.iter_mut().zip(combined.chunks_exact(count)) {
             sums.extend(row);
@@ -219,11 +222,27 @@ pub(super) fn replicates_at_once(n_points: usize) -> u64 {
 }
 
 /// One point's part in Σ_p weight_p · estimate_p, for each replicate and weighting.
-///
-/// - `weights`: `[weighting][point]`; `sums`: `[weighting][replicate]`
-fn add_weighed(weights: &[Vec<f64>], point: usize, estimates: &[f64], sums: &mut [f64]) {
-    for (weights, sums) in weights.iter().zip(sums.chunks_exact_mut(estimates.len())) {
-        let weight = weights[point];
-        sums.iter_mut().zip(estimates).for_each(|(sum, estimate)| *sum += weight * estimate);
+struct Weighing<'a> {
+    /// `[weighting][point]`.
+    weights: &'a [Vec<f64>],
+    point: usize,
+    /// One for each replicate.
+    estimates: &'a [f64],
+    /// `[weighting][replicate]`.
+    sums: &'a mut [f64],
+}
+
+impl Work for Weighing<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<R: Registers>(self, _: R) {
+        let Weighing { weights, point, estimates, sums } = self;
+        for (weights, sums) in weights.iter().zip(sums.chunks_exact_mut(estimates.len())) {
+            let weight = weights[point];
+            for (sum, estimate) in sums.iter_mut().zip(estimates) {
+                *sum += weight * estimate;
+            }
+        }
     }
 }

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::mesh_rays::compare_hierarchies;
 use super::outcome::CaseOutcome;
 use super::ready::{Maker, Ready};
 use super::run::{TrialError, from_ready};
@@ -32,7 +33,8 @@ impl<'a> Repeated<'a> {
             estimators.entry(strategy.technique()).or_insert_with_key(|technique| make(configuration, *technique));
         }
         let settings = Settings { seed, ..self.settings.clone() };
-        from_ready(&self.ready, &self.study, &settings, Some(&estimators), &|_| ())
+        let meshes = compare_hierarchies(self.ready.case, seed)?;
+        Ok(from_ready(&self.ready, &self.study, &settings, Some(&estimators), meshes, &|_| ()))
     }
 }
 

@@ -88,7 +88,9 @@ fn run_case(
 ) -> Result<CaseOutcome, TrialError> {
     let study = settings.study(&case.study);
     let mut outcome = if case.measures_direct_light() {
-        from_ready(&Ready::new(case, &study, make), &study, settings, None, progress)?
+        // First, while nothing else holds a mesh's hierarchy: two at a time would be the most memory that a run takes.
+        let meshes = compare_hierarchies(case, settings.seed)?;
+        from_ready(&Ready::new(case, &study, make), &study, settings, None, meshes, progress)
     } else {
         unmeasured(case)
     };
@@ -119,13 +121,15 @@ pub(super) fn unmeasured(case: &Case) -> CaseOutcome {
 /// Measures and judges a case that was made ready for this study.
 ///
 /// - `estimators`: instead of those that the case was made ready with, one for each technique
+/// - `meshes`: what [`compare_hierarchies`] found
 pub(super) fn from_ready(
     ready: &Ready,
     study: &Study,
     settings: &Settings,
     estimators: Option<&BTreeMap<Technique, Box<dyn Estimator>>>,
+    meshes: Vec<Timing>,
     progress: &(dyn Fn(Progress) + Sync),
-) -> Result<CaseOutcome, TrialError> {
+) -> CaseOutcome {
     let case = ready.case;
     let strategies = study
         .strategies
@@ -139,7 +143,7 @@ pub(super) fn from_ready(
             run_strategy(&prepared, study, *strategy, reproduce, progress)
         })
         .collect();
-    Ok(ready.outcome(strategies, compare_hierarchies(case, settings.seed)?))
+    ready.outcome(strategies, meshes)
 }
 
 /// Shadow rays of a cell.

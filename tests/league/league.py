@@ -68,7 +68,18 @@ class League:
         return None
 
     def chunk(self, entry, folder, first, count):
-        """One run of a witness: the path of what it wrote and what it said, or a status with words."""
+        """One run of a witness: the path of what it wrote and what it said, or a status with words. A crash must show itself twice."""
+        out, said = self.tried(entry, folder, first, count)
+        if out == "crashed":
+            words = said["words"]
+            out, said = self.tried(entry, folder, first, count)
+            if "notes" in said:
+                said["notes"].append(f"crashed once ({words}), not when asked again")
+                with open(os.path.join(folder, f"{first}-{count}", "said.json"), "w") as file:
+                    json.dump(said, file)
+        return out, said
+
+    def tried(self, entry, folder, first, count):
         entry_folder = os.path.join(folder, f"{first}-{count}")
         out = os.path.join(entry_folder, "out.npy" if entry["mode"] == "images" else "out.csv")
         said_path = os.path.join(entry_folder, "said.json")

@@ -37,6 +37,7 @@ for strategy in ("random", "stratified"):
     for case in ["control", *OPEN, "textured", *SHADOWS, *BALLS, "contact-100mm", "contact-10mm"]:
         add("etendue", case, strategy, mode="own", samples=16, pixels="7x7", count=1, most=1, quick={} if case == "control" else None,
             control=case == "control")
+add("etendue", "contact-10mm", "solid-angle", mode="own", samples=16, pixels="7x7", count=1, most=1)
 
 # Mitsuba: the sampler that one meets first, and the two that promise less noise.
 images("mitsuba", "control", "independent", {"sampler": "independent"}, pixels="9x9", samples=16, count=2000, most=10000, control=True,
@@ -133,7 +134,7 @@ images("luxcore", "control", "random", {"sampler": "RANDOM"}, pixels="9x9", samp
 # Starting an image takes as long as some 4000 samples, so images have many where much is asked of them.
 for case in OPEN + SHADOWS[:2] + ["sphere-occluder", "textured", "mirror"]:
     images("luxcore", case, "random", {"sampler": "RANDOM"}, pixels="9x9" if case in SHADOWS else "7x7", samples=1024, count=128, most=5000)
-for case in ("annular-eclipse", "contact-100mm"):
-    images("luxcore", case, "random", {"sampler": "RANDOM"}, pixels="9x9" if case in SHADOWS else "7x7", samples=64, count=400, most=4000)
+images("luxcore", "annular-eclipse", "random", {"sampler": "RANDOM"}, pixels="9x9", samples=64, count=400, most=4000)
+images("luxcore", "contact-100mm", "random", {"sampler": "RANDOM"}, samples=4096, count=400, most=4000)
 for case in ("rectangle", "rectangle-occluder"):
-    images("luxcore", case, "sobol", {"sampler": "SOBOL"}, samples=64, count=400, most=4000)
+    images("luxcore", case, "sobol", {"sampler": "SOBOL"}, samples=64, count=400, most=12000)

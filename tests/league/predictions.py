@@ -12,6 +12,7 @@ import math
 import os
 import re
 import subprocess
+import tempfile
 
 import numpy as np
 
@@ -40,10 +41,11 @@ class Exact:
             if not occluded:
                 text = text.split("[[occluder")[0]
             text += "".join(f"[[measure.point]]\nposition = {[float(x) for x in p]}\nnormal = [0.0, 0.0, 1.0]\n" for p in positions)
-            path = os.path.join(self.folder, "places.toml")
-            with open(path, "w") as file:
+            # A file of its own: two runs may share the folder.
+            with tempfile.NamedTemporaryFile("w", suffix=".toml", dir=self.folder) as file:
                 file.write(text)
-            done = subprocess.run([self.etendue, "exact", path], capture_output=True, text=True, check=True)
+                file.flush()
+                done = subprocess.run([self.etendue, "exact", file.name], capture_output=True, text=True, check=True)
             self.kept[key] = np.array([float(r["irradiance_W_m2"]) for r in csv.DictReader(done.stdout.splitlines())])
         return self.kept[key]
 

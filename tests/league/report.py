@@ -26,7 +26,7 @@ STYLE = """
 main{max-width:74rem;margin:0 auto;padding:1.2rem 1rem 4rem}h1{font-size:1.7rem;line-height:1.25;margin:.4rem 0}h2{font-size:1.2rem;margin:2.2rem 0 .5rem}
 p{max-width:46rem}a{color:var(--accent)}.soft{color:var(--soft)}.scroll{overflow-x:auto;-webkit-overflow-scrolling:touch}
 table{border-collapse:collapse;font-size:.86rem;font-variant-numeric:tabular-nums;margin:.6rem 0}th,td{padding:.3rem .6rem;border-bottom:1px solid var(--line);text-align:left;vertical-align:top}
-th{font-weight:600;color:var(--soft);vertical-align:bottom}td.k{white-space:nowrap}td.w{min-width:15rem}code{background:var(--panel);border-radius:4px;padding:0 .25em;font-size:.92em}td.n{text-align:right;white-space:nowrap}.v{font-weight:600;white-space:nowrap}
+th{font-weight:600;color:var(--soft);vertical-align:bottom}td.k{white-space:nowrap}td.w{min-width:13rem}code{background:var(--panel);border-radius:4px;padding:0 .25em;font-size:.92em}td.n{text-align:right;white-space:nowrap}.v{font-weight:600;white-space:nowrap}
 .pass{color:var(--pass)}.fail,.floor{color:var(--fail)}.undecided{color:var(--undecided)}.none{color:var(--none)}
 pre{background:var(--panel);border:1px solid var(--line);border-radius:6px;padding:.8rem;overflow-x:auto;font-size:.8rem;line-height:1.45}
 pre.letter{white-space:pre-wrap}.plot{width:100%;min-width:34rem;max-width:42rem;height:auto;display:block;margin:.8rem 0}
@@ -113,7 +113,7 @@ def page(title, body, depth=0):
 
 def table(head, rows, numbers=()):
     # Long cells may wrap, short ones stay on their line: on a phone a table is moved sideways.
-    kind_of = lambda k, c: "n" if k in numbers else "w" if len(re.sub("<[^>]*>", "", str(c))) > 44 else "k"
+    kind_of = lambda k, c: "n" if k in numbers else "w" if len(re.sub("<[^>]*>", "", str(c))) > 34 else "k"
     cells = lambda row: "".join(f"<td class={kind_of(k, c)}>{c}</td>" for k, c in enumerate(row))
     return ('<div class="scroll"><table><thead><tr>' + "".join(f"<th>{h}</th>" for h in head) + "</tr></thead><tbody>"
             + "".join(f"<tr>{cells(r)}</tr>" for r in rows) + "</tbody></table></div>")
@@ -132,18 +132,22 @@ def seen(row):
     return f"{unsigned(row.get('smallest_bias_mean'))} / {unsigned(row.get('smallest_bias_place'))}"
 
 
-def deviation(row):
-    if row.get("mean_dev") is None:
+def with_error(share, error, places):
+    """In percent, with so many places or as many as the error needs to show."""
+    if share is None:
         return ""
-    error = f" ± {100 * row['mean_error']:.3f}" if row.get("mean_error") else ""
-    return f"{100 * row['mean_dev']:+.3f}{error} %"
+    if not error:
+        return f"{100 * share:+.{places}f} %"
+    places = max(places, -math.floor(math.log10(100 * error)))
+    return f"{100 * share:+.{places}f} ± {100 * error:.{places}f} %"
+
+
+def deviation(row):
+    return with_error(row.get("mean_dev"), row.get("mean_error"), 3)
 
 
 def worst(row):
-    if row.get("worst_of_peak") is None:
-        return ""
-    error = f" ± {100 * row['worst_error']:.2f}" if row.get("worst_error") else ""
-    return f"{100 * row['worst_of_peak']:+.2f}{error} %"
+    return with_error(row.get("worst_of_peak"), row.get("worst_error"), 2)
 
 
 def effort(row):

@@ -19,7 +19,8 @@ import protocol
 
 def images(job):
     how = job.get("how", "honest")
-    if how == "crashes":
+    if how == "crashes" or how == "crashes once" and not os.path.exists(mark := os.path.join(os.path.dirname(__file__), "crashed")):
+        how == "crashes" or open(mark, "w").close()
         os._exit(3)
     if how == "hangs":
         time.sleep(60)
@@ -48,7 +49,7 @@ if len(sys.argv) > 1:
     if how.get("how", "") == "dies after":
         os._exit(11)
 '''
-DUE = {"honest": "pass", "wrong": "fail", "crashes": "crashed", "hangs": "hung", "half": "broken output", "nan": "broken output",
+DUE = {"honest": "pass", "wrong": "fail", "crashes": "crashed", "crashes once": "pass", "hangs": "hung", "half": "broken output", "nan": "broken output",
        "cannot": "inexpressible", "dies after": "pass"}
 
 
@@ -65,8 +66,9 @@ def main():
             entry = {"witness": "made-up", "case": "control", "label": how, "settings": {"how": how}, "control": False, "mode": "images", "pixels": "5x5",
                      "samples": 16, "count": 200, "most": 200, "tolerance": 1e-5, "smallest": "5e-3,5e-2", "timeout": 10}
             row = asked.run(entry)
-            bad += row["verdict"] != due
-            print(f"{'as due' if row['verdict'] == due else 'NOT AS DUE':10} {how:10} {row['verdict']:14} {row.get('words', '')[:110]}")
+            told = any("crashed once" in note for note in row.get("notes", []))
+            bad += row["verdict"] != due or told != (how == "crashes once")
+            print(f"{'as due' if row['verdict'] == due else 'NOT AS DUE':10} {how:12} {row['verdict']:14} {row.get('words', '')[:110]}")
     sys.exit(1 if bad else 0)
 
 

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::LazyLock;
 
 use etendue::case::{Case, Replicates, shipped};
 use etendue::report::{self, ReportOptions};
@@ -32,6 +33,12 @@ fn settings(seed: u64) -> Settings {
 fn run(cases: &[Case], settings: &Settings, threads: usize) -> RunOutcome {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
     pool.install(|| trial::run(cases, settings, &|_| {})).expect("a run")
+}
+
+/// The run that the others are held against: all cases, seed 3, two threads.
+fn whole() -> &'static RunOutcome {
+    static WHOLE: LazyLock<RunOutcome> = LazyLock::new(|| run(&cases(), &settings(3), 2));
+    &WHOLE
 }
 
 /// Every file of the report by its path.
@@ -76,18 +83,16 @@ fn rows(outcome: &RunOutcome, case: &str) -> Vec<String> {
 #[test]
 fn threads_move_no_byte_but_the_timings() {
     let (cases, settings) = (cases(), settings(3));
-    let one = run(&cases, &settings, 1);
-    for threads in [1, 2, 5] {
-        let differing = differing(&one, &run(&cases, &settings, threads), threads == 2);
+    for (threads, plots) in [(1, true), (2, false), (5, false)] {
+        let differing = differing(whole(), &run(&cases, &settings, threads), plots);
         assert!(differing.iter().all(|name| TIMES.contains(&name.as_str())), "{threads} threads: {differing:?}");
     }
 }
 
 #[test]
 fn another_seed_is_another_run() {
-    let cases = cases();
-    let (a, b) = (run(&cases, &settings(3), 2), run(&cases, &settings(4), 2));
-    let differing = differing(&a, &b, false);
+    let (a, b) = (whole(), &run(&cases(), &settings(4), 2));
+    let differing = differing(a, b, false);
     for file in ["convergence.csv", "rates.csv", "correlation.csv", "verdicts.csv", "manifest.json"] {
         assert!(differing.iter().any(|name| name == file), "{file}");
     }
@@ -100,20 +105,20 @@ fn another_seed_is_another_run() {
 fn neighbours_and_names_move_no_number() {
     let cases = cases();
     let settings = settings(3);
-    let all = run(&cases, &settings, 2);
+    let all = whole();
     let mut renamed = cases[0].clone();
     renamed.name = "quite/another".to_owned();
     renamed.title = "Under another name".to_owned();
     let alone = run(&[renamed.clone()], &settings, 2);
     let turned = run(&[cases[2].clone(), renamed], &settings, 2);
-    let expected = rows(&all, NAMES[0]);
+    let expected = rows(all, NAMES[0]);
     assert_eq!(rows(&alone, "quite/another"), expected);
     assert_eq!(rows(&turned, "quite/another"), expected);
-    assert_eq!(rows(&turned, NAMES[2]), rows(&all, NAMES[2]));
+    assert_eq!(rows(&turned, NAMES[2]), rows(all, NAMES[2]));
     let evidence = |outcome: &RunOutcome, case: usize| -> Vec<f64> {
         outcome.cases[case].strategies.iter().flat_map(|s| &s.verdicts).map(|judged| judged.evidence).collect()
     };
-    assert_eq!(evidence(&alone, 0), evidence(&all, 0));
+    assert_eq!(evidence(&alone, 0), evidence(all, 0));
 }
 
 #[test]
@@ -138,7 +143,7 @@ fn what_stands_in_the_room_moves_numbers() {
 #[test]
 fn a_part_of_a_study_has_the_numbers_of_the_whole() {
     let cases = cases();
-    let whole = run(&cases, &settings(3), 2);
+    let whole = whole();
     for strategy in Strategy::ALL {
         let mut part = settings(3);
         part.overrides.strategies = Some(vec![strategy]);

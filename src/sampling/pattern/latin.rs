@@ -5,7 +5,7 @@
 //! of v falls as N⁻³, of what is neither as N⁻¹ (Stein, Technometrics 29, 1987).
 
 use super::permutation::Permutation;
-use super::{BLOCK, Lanes, Squares};
+use super::{ABREAST, Lanes, Squares};
 
 #[derive(Clone, Debug)]
 pub(super) struct LatinHypercube {
@@ -26,10 +26,18 @@ impl LatinHypercube {
         let width = 1.0 / self.n as f64;
         let axes = [(squares.u.as_flattened_mut(), &self.columns), (squares.v.as_flattened_mut(), &self.rows)];
         for (axis, permutation) in axes {
-            let mut place: [u64; BLOCK] = std::array::from_fn(|k| self.next + k as u64);
-            permutation.permute(&mut place[..len]);
-            for (x, place) in axis[..len].iter_mut().zip(place) {
-                *x = (place as f64 + *x) * width;
+            let mut first = self.next;
+            for some in axis[..len].chunks_mut(ABREAST) {
+                let mut places = [0; ABREAST];
+                let places = &mut places[..some.len()];
+                for (k, place) in places.iter_mut().enumerate() {
+                    *place = first + k as u64;
+                }
+                permutation.permute(places);
+                for (x, place) in some.iter_mut().zip(places.iter()) {
+                    *x = (*place as f64 + *x) * width;
+                }
+                first += some.len() as u64;
             }
         }
         self.next += len as u64;

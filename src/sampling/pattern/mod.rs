@@ -15,8 +15,12 @@ use multi_jittered::MultiJittered;
 use sobol::Sobol;
 use strata::{Strata, Stratum};
 
-use super::{BLOCK, LANES, Lanes, PointSet, Squares, Strategy, StreamKey, groups};
+use super::{LANES, Lanes, PointSet, Squares, Strategy, StreamKey, groups};
 use crate::number::{Machine, Registers, Work};
+
+/// Points that are permuted at a time: enough to share a round's words, few enough that small estimates clear no memory
+/// for nothing.
+const ABREAST: usize = 32;
 
 /// The points of one estimate, handed out block by block, so that memory does not grow with their number.
 #[derive(Clone, Debug)]
@@ -103,6 +107,7 @@ struct SideBySide<'a> {
     strategy: Strategy,
     n: usize,
     keys: &'a [StreamKey],
+    below: [u64; 2],
     squares: &'a mut Squares,
 }
 
@@ -111,7 +116,7 @@ impl Work for SideBySide<'_> {
 
     #[inline(always)]
     fn run<R: Registers>(self, _: R) {
-        side_by_side(self.strategy, self.n, self.keys, self.squares);
+        side_by_side(self.strategy, self.n, self.keys, self.below, self.squares);
     }
 }
 
@@ -119,28 +124,29 @@ impl Work for SideBySide<'_> {
 /// points that a [`Pattern`] of its key would give it.
 ///
 /// - `n`: points of each estimate: 1, 2, 4 or 8
-/// - `keys`: one for each estimate, as many as fit
+/// - `keys`: one for each estimate, as many as fit; `below`: words that each takes in first
 pub(crate) fn fill_side_by_side(
     machine: Machine,
     strategy: Strategy,
     n: usize,
     keys: &[StreamKey],
+    below: [u64; 2],
     squares: &mut Squares,
 ) {
-    machine.run(SideBySide { strategy, n, keys, squares });
+    machine.run(SideBySide { strategy, n, keys, below, squares });
 }
 
 #[inline(always)]
-fn side_by_side(strategy: Strategy, n: usize, keys: &[StreamKey], squares: &mut Squares) {
+fn side_by_side(strategy: Strategy, n: usize, keys: &[StreamKey], below: [u64; 2], squares: &mut Squares) {
     match strategy.point_set() {
         PointSet::Independent | PointSet::Stratified => {}
         PointSet::UniformJitter | PointSet::LatinHypercube | PointSet::MultiJittered | PointSet::Sobol => {
-            return fill_one_by_one(strategy, n, keys, squares);
+            return fill_one_by_one(strategy, n, keys, below, squares);
         }
     }
     let a_group = LANES / n;
     for (group, keys) in keys.chunks(a_group).enumerate() {
-        let mut lanes = Lanes::side_by_side(keys, n);
+        let mut lanes = Lanes::side_by_side(keys, below, n);
         squares.u[group] = lanes.next_units();
         squares.v[group] = lanes.next_units();
     }
@@ -162,11 +168,12 @@ fn side_by_side(strategy: Strategy, n: usize, keys: &[StreamKey], squares: &mut 
 }
 
 /// As [`fill_side_by_side`], for point sets that start with words of their own: one after another.
-fn fill_one_by_one(strategy: Strategy, n: usize, keys: &[StreamKey], squares: &mut Squares) {
+fn fill_one_by_one(strategy: Strategy, n: usize, keys: &[StreamKey], below: [u64; 2], squares: &mut Squares) {
     let mut own = Squares::default();
     let (all_u, all_v) = (squares.u.as_flattened_mut(), squares.v.as_flattened_mut());
     for (k, key) in keys.iter().enumerate() {
-        Pattern::new(strategy, n as u64, Lanes::new(*key, n)).fill(&mut own, n);
+        let lanes = Lanes::new(key.with(below[0]).with(below[1]), n);
+        Pattern::new(strategy, n as u64, lanes).fill(&mut own, n);
         all_u[k * n..][..n].copy_from_slice(&own.u.as_flattened()[..n]);
         all_v[k * n..][..n].copy_from_slice(&own.v.as_flattened()[..n]);
     }
@@ -174,7 +181,7 @@ fn fill_one_by_one(strategy: Strategy, n: usize, keys: &[StreamKey], squares: &m
 
 #[cfg(test)]
 mod tests {
-    use super::super::Row;
+    use super::super::{BLOCK, Row};
     use super::*;
 
     fn points(strategy: Strategy, n: u64, seed: u64) -> Vec<[f64; 2]> {
@@ -202,10 +209,11 @@ mod tests {
             for n in [1_usize, 2, 4, 8] {
                 let keys: Vec<StreamKey> = (0..(BLOCK / n - 1) as u64).map(|k| StreamKey::root(6).with(k)).collect();
                 let mut together = Squares::default();
-                side_by_side(strategy, n, &keys, &mut together);
+                side_by_side(strategy, n, &keys, [7, 1], &mut together);
                 for (k, key) in keys.iter().enumerate() {
                     let mut alone = Squares::default();
-                    Pattern::new(strategy, n as u64, Lanes::new(*key, n)).fill(&mut alone, n);
+                    let lanes = Lanes::new(key.with(7).with(1), n);
+                    Pattern::new(strategy, n as u64, lanes).fill(&mut alone, n);
                     for i in 0..n {
                         let at = |row: &Row, i: usize| row[i / LANES][i % LANES];
                         assert_eq!(at(&together.u, k * n + i), at(&alone.u, i), "{strategy} N = {n}");

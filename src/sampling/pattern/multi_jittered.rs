@@ -13,7 +13,7 @@
 
 use super::permutation::{Family, Permutation};
 use super::strata::Rows;
-use super::{BLOCK, Lanes, Squares};
+use super::{ABREAST, Lanes, Squares};
 
 #[derive(Clone, Debug)]
 pub(super) struct MultiJittered {
@@ -43,14 +43,28 @@ impl MultiJittered {
     /// Moves uniform points into their strata and lines.
     #[inline(always)]
     pub fn jitter(&mut self, squares: &mut Squares, len: usize) {
+        let (all_u, all_v) = (squares.u.as_flattened_mut(), squares.v.as_flattened_mut());
+        for (u, v) in all_u[..len].chunks_mut(ABREAST).zip(all_v[..len].chunks_mut(ABREAST)) {
+            self.jitter_some(u, v);
+        }
+    }
+
+    /// The next points, [`ABREAST`] at most.
+    #[inline(always)]
+    fn jitter_some(&mut self, u: &mut [f64], v: &mut [f64]) {
+        let len = u.len();
         let Rows { n, rows } = self.layout;
         let (few, longer_rows) = (n / rows, n % rows);
-        let mut stratum: [u64; BLOCK] = std::array::from_fn(|k| self.next + k as u64);
+        let mut stratum = [0; ABREAST];
+        for (k, stratum) in stratum[..len].iter_mut().enumerate() {
+            *stratum = self.next + k as u64;
+        }
         self.order.permute(&mut stratum[..len]);
         self.next += len as u64;
 
         // Place of each point's stratum in its row, and of the row among those of equal count.
-        let [mut start, mut place, mut cells, mut rank, mut alike, mut before] = [[0; BLOCK]; 6];
+        let (mut start, mut place, mut cells) = ([0; ABREAST], [0; ABREAST], [0; ABREAST]);
+        let (mut rank, mut alike, mut before) = ([0; ABREAST], [0; ABREAST], [0; ABREAST]);
         for k in 0..len {
             let row = self.layout.row_of(stratum[k]);
             start[k] = self.layout.start_of(row);
@@ -63,11 +77,11 @@ impl MultiJittered {
             before[k] = place[k] * alike[k] + if is_longer { few * (rows - longer_rows) } else { 0 };
         }
         self.across.permute_each(&mut rank[..len], &alike[..len], &before[..len]);
-        for (k, u) in squares.u.as_flattened_mut()[..len].iter_mut().enumerate() {
+        for (k, u) in u.iter_mut().enumerate() {
             *u = ((place[k] * alike[k] + rank[k]) as f64 + *u) / (cells[k] * alike[k]) as f64;
         }
         self.up.permute_each(&mut place[..len], &cells[..len], &start[..len]);
-        for (k, v) in squares.v.as_flattened_mut()[..len].iter_mut().enumerate() {
+        for (k, v) in v.iter_mut().enumerate() {
             *v = ((start[k] + place[k]) as f64 + *v) / n as f64;
         }
     }
@@ -84,6 +98,7 @@ fn layout(n: u64) -> Rows {
 mod tests {
     use super::super::{LANES, Pattern, Strategy, StreamKey};
     use super::*;
+    use crate::sampling::BLOCK;
 
     #[test]
     fn rows_divide_where_they_can() {

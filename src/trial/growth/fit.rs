@@ -25,15 +25,17 @@ impl Law {
 /// seconds = factor · x^exponent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PowerLaw {
+    /// Seconds at x = 1.
     pub factor: f64,
     pub exponent: f64,
-    /// What the scatter about the line says; `None` of two points.
+    /// Of the exponent, as the scatter about the line has it; `None` of two points.
     pub std_error: Option<f64>,
     /// Root mean square of what the law is off, relative to what was measured.
     pub off: f64,
 }
 
 impl PowerLaw {
+    /// Seconds at x > 0.
     pub fn at(&self, x: f64) -> f64 {
         self.factor * x.powf(self.exponent)
     }
@@ -43,12 +45,16 @@ impl PowerLaw {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Affine {
     pub law: Law,
+    /// Seconds where x, or its logarithm, is nothing.
     pub start: f64,
+    /// Seconds for each x, or each factor of e.
     pub step: f64,
+    /// As [`PowerLaw::off`].
     pub off: f64,
 }
 
 impl Affine {
+    /// Seconds at x; x > 0 where the law has its logarithm.
     pub fn at(&self, x: f64) -> f64 {
         self.start + self.step * self.law.along(x)
     }

@@ -59,6 +59,7 @@ impl GrowthStudy {
 /// One room, timed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Observation {
+    /// What [`GrowthStudy::quantity`] counts.
     pub x: u64,
     /// Of one thread, median of the repeats.
     pub seconds: f64,
@@ -71,6 +72,7 @@ pub struct Observation {
 }
 
 impl Observation {
+    /// Nanoseconds of one [`GrowthStudy::unit`].
     pub fn per_unit_ns(&self) -> f64 {
         self.seconds * 1e9 / self.units
     }
@@ -346,14 +348,15 @@ mod tests {
 
     #[test]
     fn repeats_are_long_enough_and_counted_out() {
-        let mut calls = 0;
+        let mut calls = 0_u64;
         let seen = Timed { x: 3, units: 3.0, done_at_once: 2.0 }.observe(2e-3, || {
             calls += 1;
             std::thread::sleep(std::time::Duration::from_micros(300));
         });
         // A call sleeps for at least 300 µs and does the thing twice.
         assert!(seen.seconds_low >= 1.5e-4, "{seen:?}");
-        assert_eq!(seen.repeats, REPEATS as u64);
-        assert!(calls >= REPEATS, "{calls}");
+        // On a machine with other work fewer may do.
+        assert!((FEWEST_REPEATS..=REPEATS).contains(&(seen.repeats as usize)), "{seen:?}");
+        assert!(calls > seen.repeats, "{calls}");
     }
 }
