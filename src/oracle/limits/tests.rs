@@ -42,6 +42,18 @@ fn both_ways(configuration: &Configuration, widest_bound: f64) -> Result<usize, 
     Ok(closed.len())
 }
 
+/// Found by the law below: an occluder near its source, whose edges are seen from far off.
+#[test]
+fn a_shadow_thrown_far_is_bounded_for_its_lever() {
+    let rectangle = |z: f64, u: f64, v: f64| {
+        Shape::Rectangle(Rectangle::new(flat(0.0, 0.0, z), DVec3::X * (2.0 * u), DVec3::NEG_Y * (2.0 * v)).unwrap())
+    };
+    let (source, occluder) =
+        (rectangle(2.0, 0.9239339295920097, 0.3530896918618513), rectangle(1.6194542801284812, 0.1, 0.1));
+    let room = room(source, occluder, flat(-4.0, 0.0, 0.0), flat(5.0, 0.0, 0.0), DVec3::Z);
+    both_ways(&room.unwrap(), 1e-10).unwrap();
+}
+
 fn flat(x: f64, y: f64, z: f64) -> DVec3 {
     DVec3::new(x, y, z)
 }
