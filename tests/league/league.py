@@ -309,6 +309,8 @@ class League:
         os.replace(path + ".part", path)
 
     def note(self, row):
+        if self.given.judge and row["verdict"] == "not judged":
+            return  # What an earlier run said of it stands.
         with self.lock:
             self.results[row["witness"], row["case"], row["label"]] = row
             seen = " / ".join("-" if row.get(k) is None else f"{100 * row[k]:.2g}" for k in ("smallest_bias_mean", "smallest_bias_place"))
