@@ -41,10 +41,10 @@ class Panel:
             share = (y - self.y[0]) / ((self.y[1] - self.y[0]) or 1)
         return self.top + self.height * (1 - share)
 
-    def under(self, words, ticks=None, said="{:g}"):
+    def under(self, words, ticks=None, said="{:g}".format):
         base = self.top + self.height
         for t in ticks if ticks is not None else nice(*self.x, 6):
-            self.parts.append(f'<text class="tick" x="{self.px(t):.1f}" y="{base + 16}" text-anchor="middle">{said.format(t)}</text>')
+            self.parts.append(f'<text class="tick" x="{self.px(t):.1f}" y="{base + 16}" text-anchor="middle">{said(t)}</text>')
         self.parts.append(f'<text class="tick" x="{(LEFT + WIDE - RIGHT) / 2}" y="{base + 33}" text-anchor="middle">{escape(words)}</text>')
 
     def line(self, xs, ys, kind):
@@ -97,10 +97,9 @@ def convergence(series, title):
         here = [math.log10(p[0]) for p in values]
         panel.line(here, [max(p[1], 1e-7) for p in values], f"series s{k}")
         panel.dots(here, [max(p[1], 1e-7) for p in values])
-        panel.parts.append(f'<text class="tick" x="{panel.px(here[-1]) - 6:.1f}" y="{panel.py(max(values[-1][1], 1e-7)) - 8:.1f}" '
+        panel.parts.append(f'<text class="tick" x="{panel.px(here[-1]) - 6:.1f}" y="{panel.py(max(values[-1][1], 1e-7)) - 14:.1f}" '
                            f'text-anchor="end">{escape(name)}</text>')
-    panel.under("samples on the light", ticks=sorted({round(x, 6) for x in xs}), said="{:.1f}")
-    panel.parts[-1] = panel.parts[-1].replace("samples on the light", "log10 of the samples on the light")
+    panel.under("samples on the light", ticks=sorted({round(x, 6) for x in xs}), said=lambda x: f"{round(10**x):,}")
     return svg(300, panel.parts, title)
 
 
@@ -114,7 +113,8 @@ def signed_map(columns, rows, deviation, z, title):
         strength = 0 if score is None else min(0.85, abs(score) / 12)
         parts.append(f'<rect class="cell {kind}" style="fill-opacity:{strength:.2f}" x="{x}" y="{y}" width="{cell - 2}" height="{cell - 2}"/>')
         said = "0" if d is None else f"{d:+.2f}" if abs(d) < 10 else f"{d:+.0f}"
-        parts.append(f'<text class="value" x="{x + cell / 2 - 1}" y="{y + cell / 2 + 4}" text-anchor="middle">{said}</text>')
+        value = "value strong" if strength > 0.5 else "value"
+        parts.append(f'<text class="{value}" x="{x + cell / 2 - 1}" y="{y + cell / 2 + 4}" text-anchor="middle">{said}</text>')
     height = rows * cell + 34
     parts.append(f'<text class="tick" x="10" y="{height - 8}">mean over images against the exact pixel average, %; colour: 12 standard errors and more is full</text>')
     return svg(height, parts, title)

@@ -30,10 +30,10 @@ th{font-weight:600;color:var(--soft);vertical-align:bottom}td.k{white-space:nowr
 .pass{color:var(--pass)}.fail,.floor{color:var(--fail)}.undecided{color:var(--undecided)}.none{color:var(--none)}
 pre{background:var(--panel);border:1px solid var(--line);border-radius:6px;padding:.8rem;overflow-x:auto;font-size:.8rem;line-height:1.45}
 pre.letter{white-space:pre-wrap}.plot{width:100%;min-width:34rem;max-width:42rem;height:auto;display:block;margin:.8rem 0}
-.plot .grid{stroke:var(--line)}.plot text{fill:var(--ink);font:12px system-ui,sans-serif}.plot .tick{fill:var(--soft);font-size:11px}
+.plot .grid{stroke:var(--line)}.plot text{fill:var(--ink);font:12px system-ui,sans-serif}.plot .tick{fill:var(--soft);font-size:11px;stroke:var(--paper);stroke-width:4px;paint-order:stroke}
 .plot .label{fill:var(--soft)}.plot polyline{fill:none}.plot .exact{stroke:var(--soft);stroke-width:1.5}.plot .predicted{stroke:var(--pred);stroke-width:2;stroke-dasharray:5 4}
 .plot .dot{fill:var(--accent)}.plot .bar{stroke:var(--accent);stroke-width:1.2}.plot .series{stroke:var(--accent);stroke-width:1.5}.plot .s1{stroke:var(--pred)}
-.plot .cell{stroke:var(--line)}.plot .cell.plus{fill:var(--plus)}.plot .cell.minus{fill:var(--minus)}.plot .cell.none{fill:none}
+.plot .cell{stroke:var(--line)}.plot .cell.plus{fill:var(--plus)}.plot .cell.minus{fill:var(--minus)}.plot .cell.none{fill:none}.plot .strong{fill:var(--paper)}
 .cards{display:grid;grid-template-columns:repeat(auto-fill,minmax(17rem,1fr));gap:.7rem;padding:0;list-style:none}
 .cards li{border:1px solid var(--line);border-radius:8px;padding:.7rem .8rem}.cards b{display:block}
 """
@@ -140,6 +140,10 @@ def with_error(share, error, places):
         return f"{100 * share:+.{places}f} %"
     places = max(places, -math.floor(math.log10(100 * error)))
     return f"{100 * share:+.{places}f} ± {100 * error:.{places}f} %"
+
+
+def minutes(seconds):
+    return f"{seconds / 60:.0f} min" if seconds >= 60 else "under 1 min"
 
 
 def deviation(row):
@@ -349,7 +353,7 @@ class Report:
             rows.append([f'<a href="witnesses/{n}.html">{escape(findings.WITNESSES[n][0])}</a>',
                          escape(version) + (", quick run only" if any(x.get("quick") for x in mine) else ""), verdict_cell(control) if control else "",
                          f'<span class=pass>{count("pass")}</span>', f'<span class=fail>{count("fail", "floor")}</span>', count("undecided"), count("none"),
-                         f"{sum(x.get('processor_seconds') or x.get('seconds') or 0 for x in mine) / 60:.0f} min"])
+                         minutes(sum(x.get("processor_seconds") or x.get("seconds") or 0 for x in mine))])
         body += "<h2>Who was asked</h2>" + table(["program", "version", "control", "pass", "deviates", "undecided", "cannot be asked", "processor time"], rows, (3, 4, 5, 6, 7))
         body += ('<p class=soft>Each verdict is a gate with a false-alarm probability of one in a million, and says what bias it would have seen (99 %). Deterministic '
                  "programs are judged by convergence: does the error go to nothing with effort, or settle at a floor? A pass says nothing of what was "
