@@ -286,6 +286,9 @@ impl Registers for Arrays {
     }
 }
 
+#[cfg(all(feature = "fast", target_arch = "x86_64"))]
+const ALL_BUT_THE_SIGN: f64 = f64::from_bits(u64::MAX >> 1);
+
 /// Vector registers, by `pulp`.
 #[cfg(all(feature = "fast", target_arch = "x86_64"))]
 #[derive(Clone, Copy, Debug)]
@@ -330,7 +333,8 @@ impl<S: pulp::Simd<f64s = pulp::f64x8>> Registers for Vectors<S> {
     }
     #[inline(always)]
     fn abs(self, a: pulp::f64x8) -> pulp::f64x8 {
-        self.0.abs_f64s(a)
+        // The crate's own is a call where little is optimised.
+        self.0.and_f64s(a, self.0.splat_f64s(ALL_BUT_THE_SIGN))
     }
     #[inline(always)]
     fn sqrt(self, a: pulp::f64x8) -> pulp::f64x8 {

@@ -231,8 +231,9 @@ def plain_table(rows):
 
 
 class Report:
-    def __init__(self, results, explained, out, quick):
-        self.quick = quick
+    def __init__(self, results, explained, out, again):
+        # What was run with one set of seeds and with another: (words, results, results).
+        self.again = again
         self.rows = [sized(r) for r in results["rows"]]
         self.results, self.explained, self.out = results, explained, out
         self.by = {(r["witness"], r["case"], r["label"]): r for r in self.rows}
@@ -325,15 +326,17 @@ class Report:
                     write.writerow([key, one["name"], one["fits"], one.get("chi2_n"), one.get("dof"), one["worst_of_peak"], one.get("error_of_peak"), one["fitted"]])
 
     def other_seeds(self):
-        """What came of running the quick entries again."""
-        first, second = (({(r["witness"], r["case"], r["label"]): r for r in q["rows"]} if q else {}) for q in self.quick)
-        asked = lambda k: k in second and "none" not in (kind(first[k]["verdict"]), kind(second[k]["verdict"]))
-        both = [k for k in first if k[0] != "etendue" and asked(k)]
-        if not both:
-            return ""
-        changed = [" / ".join(k) for k in both if first[k]["verdict"] != second[k]["verdict"]]
-        said = "every verdict was the same" if not changed else f"{len(changed)} verdicts were others: {'; '.join(changed)}"
-        return f"<p class=soft>{len(both)} entries of the quick run were made again with a second set of seeds: {escape(said)}.</p>"
+        """What came of running entries again."""
+        said = []
+        for words, first, second in self.again:
+            first, second = ({(r["witness"], r["case"], r["label"]): r for r in q["rows"]} if q else {} for q in (first, second))
+            asked = lambda k: k in second and "none" not in (kind(first[k]["verdict"]), kind(second[k]["verdict"]))
+            both = [k for k in first if asked(k)]
+            changed = [f"{' / '.join(k)}: {second[k]['verdict']}" for k in both if first[k]["verdict"] != second[k]["verdict"]]
+            outcome = "every verdict was the same" if not changed else f"other verdicts: {'; '.join(changed)}"
+            if both:
+                said.append(f"{len(both)} entries of the {words} were made again with a second set of seeds: {escape(outcome)}.")
+        return f"<p class=soft>{' '.join(said)}</p>" if said else ""
 
     def index(self, told):
         r = self.results
@@ -415,7 +418,8 @@ def main():
     explained = predictions.explained(results["rows"], given.etendue, os.path.join(given.dir, "work", "exact"))
     shutil.rmtree(given.out, ignore_errors=True)
     os.makedirs(given.out)
-    report = Report(results, explained, given.out, [read(f"results-quick{n}.json") for n in ("", "-2")])
+    again = [("whole run", results, read("results-2.json")), ("quick run", read("results-quick.json"), read("results-quick-2.json"))]
+    report = Report(results, explained, given.out, again)
     told = [report.finding(f) for f in findings.FINDINGS]
     for name in findings.WITNESSES:
         report.witness(name)

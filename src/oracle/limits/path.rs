@@ -93,4 +93,16 @@ impl Path {
         };
         MeasurementPoint::new(position, normal).unwrap_or(self.from)
     }
+
+    /// A point of the same receiver near one of the path's: on a sphere it is brought back to it, and turns with it.
+    pub(super) fn beside(&self, point: &MeasurementPoint, place: DVec3) -> Option<MeasurementPoint> {
+        let (place, normal) = match self.shape {
+            PathShape::Segment { .. } => (place, point.normal()),
+            PathShape::Arc { center, radius, .. } => {
+                let outward = (place - center).try_normalize()?;
+                (center + outward * radius, outward)
+            }
+        };
+        MeasurementPoint::new(place, normal).ok()
+    }
 }

@@ -144,7 +144,7 @@ impl Search<'_> {
                 let middle = 0.5 * (low + high);
                 let (sin, cos) = f64::sin_cos(middle);
                 let place = point.position() + (along * cos + across * sin) * radius;
-                let seen = MeasurementPoint::new(place, point.normal()).ok().and_then(|place| self.phase_at(&place));
+                let seen = self.path.beside(&point, place).and_then(|place| self.phase_at(&place));
                 if seen == Some(after) { low = middle } else { high = middle }
             }
             (0.5 * (low + high)).tan()
