@@ -11,7 +11,7 @@
 
 use std::num::NonZero;
 
-use super::emitter::{Emitter, Scratch, add_lanes, emitters};
+use super::emitter::{Block, Emitter, Scratch, add_lanes, emitters};
 use super::{Estimator, Job};
 use crate::configuration::Configuration;
 use crate::number::Machine;
@@ -69,11 +69,7 @@ impl Place<'_> {
     /// The points of one estimate; `point` counted from 1, 0 where points are shared.
     fn pattern(&self, job: &Job, replicate: u64, point: u64) -> Pattern {
         let key = job.cell.with(replicate).with(point).with(self.source);
-        let lanes = if job.samples < LANES as u64 {
-            Lanes::new(key, job.samples as usize)
-        } else {
-            Lanes::new_on(self.machine, key)
-        };
+        let lanes = Lanes::new_on(self.machine, key, job.samples.min(LANES as u64) as usize);
         Pattern::new(job.strategy, job.samples, lanes)
     }
 
@@ -97,13 +93,8 @@ impl Place<'_> {
                     let len = left.min(BLOCK as u64) as usize;
                     pattern.fill_on(self.machine, squares, len);
                     self.emitter.place(self.machine, squares, len, places);
-                    if self.emitter.is_plain() {
-                        self.emitter.gather(self.machine, point, places, len, &mut sum);
-                    } else {
-                        self.emitter.illuminate(self.machine, point, places, len, shading);
-                        self.emitter.weigh(places, len, shading);
-                        shading.add_to(self.machine, &mut sum, len);
-                    }
+                    let block = Block { places, exitances: None, len, shading };
+                    self.emitter.gather(self.machine, point, block, &mut sum);
                     left -= len as u64;
                 }
                 estimates[p * self.stride + r] += self.emitter.strength * add_lanes(&sum) / job.samples as f64;
@@ -125,13 +116,8 @@ impl Place<'_> {
                 self.emitter.place(self.machine, squares, len, places);
                 self.emitter.read(places, len, exitances);
                 for (point, sum) in job.points.iter().zip(sums.iter_mut()) {
-                    if self.emitter.is_plain() {
-                        self.emitter.gather(self.machine, point, places, len, sum);
-                    } else {
-                        self.emitter.illuminate(self.machine, point, places, len, shading);
-                        self.emitter.weigh_by(self.machine, exitances, len, shading);
-                        shading.add_to(self.machine, sum, len);
-                    }
+                    let block = Block { places, exitances: Some(exitances), len, shading };
+                    self.emitter.gather(self.machine, point, block, sum);
                 }
                 left -= len as u64;
             }

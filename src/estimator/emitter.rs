@@ -59,6 +59,14 @@ impl Default for Shading {
     }
 }
 
+/// A block of places on a source, for [`Emitter::gather`].
+pub(super) struct Block<'a> {
+    pub(super) places: &'a SurfaceBlock,
+    pub(super) exitances: Option<&'a Exitances>,
+    pub(super) len: usize,
+    pub(super) shading: &'a mut Shading,
+}
+
 /// The sources, each with what stands before it.
 pub(super) fn emitters(configuration: &Configuration, surroundings: &Surroundings) -> Vec<Emitter> {
     let emitters = configuration.sources().iter().enumerate().map(|(own, source)| {
@@ -86,7 +94,7 @@ impl Shading {
     }
 
     /// Adds a block's contributions to the lanes of a sum.
-    pub(super) fn add_to(&self, machine: Machine, sum: &mut [f64; LANES], len: usize) {
+    fn add_to(&self, machine: Machine, sum: &mut [f64; LANES], len: usize) {
         machine.run(Sum { contributions: &self.contributions, sum, len });
     }
 }
@@ -153,24 +161,24 @@ impl Emitter {
         }
     }
 
-    /// As [`Emitter::illuminate`], and adds the contributions to the lanes of a sum. Only of emitters that
-    /// [`Emitter::is_plain`] holds of: nothing need be kept then.
-    pub(super) fn gather(
-        &self,
-        machine: Machine,
-        point: &MeasurementPoint,
-        places: &SurfaceBlock,
-        len: usize,
-        sum: &mut [f64; LANES],
-    ) {
-        let mut stops = SmallVec::<[Stop; 2]>::new();
-        self.stops(point, &mut stops);
-        machine.run(Gathered { emitter: self, point, places, len, stops: &stops, sum });
-    }
-
-    /// Whether its exitance is the same all over, and nothing but analytic shapes stands before it.
-    pub(super) fn is_plain(&self) -> bool {
-        self.texture.is_none() && !self.has_meshes()
+    /// Adds the contributions of a block, weighed by the exitance, to the lanes of a sum. Where that is the same all over, and
+    /// only analytic shapes stand before the source, nothing is written on the way.
+    ///
+    /// - `exitances`: of the block's places, where [`Emitter::read`] found them
+    pub(super) fn gather(&self, machine: Machine, point: &MeasurementPoint, block: Block, sum: &mut [f64; LANES]) {
+        let Block { places, exitances, len, shading } = block;
+        if self.texture.is_none() && !self.has_meshes() {
+            let mut stops = SmallVec::<[Stop; 2]>::new();
+            self.stops(point, &mut stops);
+            machine.run(Gathered { emitter: self, point, places, len, stops: &stops, sum });
+            return;
+        }
+        self.illuminate(machine, point, places, len, shading);
+        match exitances {
+            Some(exitances) => self.weigh_by(machine, exitances, len, shading),
+            None => self.weigh(places, len, shading),
+        }
+        shading.add_to(machine, sum, len);
     }
 
     fn has_meshes(&self) -> bool {
@@ -343,37 +351,37 @@ fn light<R: Registers, B: Brought<R>>(
     let normal = point.normal();
     if let Some(source_normal) = emitter.surface.flat_normal() {
         // r cosθₛ is the height of the point over the source's plane, the same for the whole source.
-        let height = (-offset.dot(source_normal)).max(0.0);
+        let height = Eight::load(registers, &[(-offset.dot(source_normal)).max(0.0); LANES]);
         for g in 0..groups(len) {
-            let ray = displaced(registers, offset, places, g);
-            let [x, y, z] = ray;
-            let r2 = x * x + y * y + z * z;
-            let cosine = (x * normal.x + y * normal.y + z * normal.z).positive();
-            let mut light = cosine * height / (r2 * r2);
-            for stop in stops {
-                light = stop.dim(ray, light);
-            }
-            brought.take(g, light);
+            brought.take(g, arriving(displaced(registers, offset, places, g), normal, height, stops));
         }
     } else if let Some(radius) = emitter.surface.sphere_radius() {
         for g in 0..groups(len) {
-            let ray = displaced(registers, offset, places, g);
-            let [x, y, z] = ray;
-            let r2 = x * x + y * y + z * z;
-            let cosine = (x * normal.x + y * normal.y + z * normal.z).positive();
+            let [x, y, z] = displaced(registers, offset, places, g);
             // r cosθₛ with the sphere's normal at the point, its offset over the radius.
             let px = Eight::load(registers, &places.x[g]);
             let py = Eight::load(registers, &places.y[g]);
             let pz = Eight::load(registers, &places.z[g]);
             let height = -(px * x + py * y + pz * z) / radius;
-            let mut light = cosine * height.positive() / (r2 * r2);
-            for stop in stops {
-                light = stop.dim(ray, light);
-            }
-            brought.take(g, light);
+            brought.take(g, arriving([x, y, z], normal, height.positive(), stops));
         }
     }
     brought
+}
+
+/// cosθᵢ cosθₛ / r² · Vis along a displacement r.
+///
+/// - `height`: r cosθₛ, ≥ 0, metres
+#[inline(always)]
+fn arriving<T: Lanewise>(ray: Displacement<T>, normal: DVec3, height: T, stops: &[Stop]) -> T {
+    let [x, y, z] = ray;
+    let r2 = x * x + y * y + z * z;
+    let cosine = (x * normal.x + y * normal.y + z * normal.z).positive();
+    let mut light = cosine * height / (r2 * r2);
+    for stop in stops {
+        light = stop.dim(ray, light);
+    }
+    light
 }
 
 /// Eight places of a block, moved by an offset.

@@ -37,9 +37,9 @@ impl Lanes {
         lanes
     }
 
-    /// As [`Lanes::new`] of all lanes, in the registers of a machine.
-    pub(crate) fn new_on(machine: Machine, key: StreamKey) -> Lanes {
-        machine.run(Seeding(key))
+    /// As [`Lanes::new`], in the registers of a machine.
+    pub(crate) fn new_on(machine: Machine, key: StreamKey, used: usize) -> Lanes {
+        machine.run(Seeding { key, used })
     }
 
     /// Lanes of several keys side by side: lane l is lane l mod `width` of key l / `width`, as [`Lanes::new`] seeds it.
@@ -118,14 +118,17 @@ fn seed(word: usize, first: u64, second: u64, lane: usize) -> u64 {
 }
 
 /// See [`Lanes::new_on`].
-struct Seeding(StreamKey);
+struct Seeding {
+    key: StreamKey,
+    used: usize,
+}
 
 impl Work for Seeding {
     type Output = Lanes;
 
     #[inline(always)]
     fn run<R: Registers>(self, _: R) -> Lanes {
-        Lanes::new(self.0, LANES)
+        Lanes::new(self.key, self.used)
     }
 }
 

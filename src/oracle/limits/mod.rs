@@ -54,7 +54,9 @@ pub enum LimitMethod {
     /// two spheres and any line past them.
     ClosedForm,
     /// A scan of the line, then bisection on the exact side's own classification until no number lies between, or until
-    /// it cannot tell ([`Region::Edge`]).
+    /// it cannot tell ([`Region::Edge`]). Its bounds are measured, not proved: eight times the largest misplacement in 9,000
+    /// random rooms that have a closed form, for the shadow's lever and its slant; shapes nearer to one another than a
+    /// hundredth of the room's size are taken to be that far apart.
     Bisection,
 }
 
