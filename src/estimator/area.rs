@@ -11,6 +11,7 @@
 
 use std::num::NonZero;
 
+use super::between::Outlooks;
 use super::emitter::{Block, Emitter, Scratch, add_lanes, emitters};
 use super::{Estimator, Job};
 use crate::configuration::Configuration;
@@ -84,7 +85,9 @@ impl Place<'_> {
     /// Points of its own for each shading point.
     fn fresh(&self, job: &Job, scratch: &mut Scratch, estimates: &mut [f64]) {
         let Scratch { squares, places, shading, .. } = scratch;
+        let rays = job.samples * self.stride as u64;
         for (p, point) in job.points.iter().enumerate() {
+            let outlooks = self.emitter.between.outlooks(self.machine, point.position(), rays);
             for (r, replicate) in job.replicates.clone().enumerate() {
                 let mut pattern = self.pattern(job, replicate, p as u64 + 1);
                 let mut sum = [0.0; LANES];
@@ -93,7 +96,7 @@ impl Place<'_> {
                     let len = left.min(BLOCK as u64) as usize;
                     pattern.fill_on(self.machine, squares, len);
                     self.emitter.place(self.machine, squares, len, places);
-                    let block = Block { places, exitances: None, len, shading };
+                    let block = Block { places, exitances: None, outlooks: &outlooks, len, shading };
                     self.emitter.gather(self.machine, point, block, &mut sum);
                     left -= len as u64;
                 }
@@ -105,6 +108,12 @@ impl Place<'_> {
     /// One set of points for all shading points of a replicate.
     fn shared(&self, job: &Job, scratch: &mut Scratch, estimates: &mut [f64]) {
         let Scratch { squares, places, exitances, shading, sums, .. } = scratch;
+        let rays = job.samples * self.stride as u64;
+        let outlooks: Vec<Outlooks> = job
+            .points
+            .iter()
+            .map(|point| self.emitter.between.outlooks(self.machine, point.position(), rays))
+            .collect();
         for (r, replicate) in job.replicates.clone().enumerate() {
             let mut pattern = self.pattern(job, replicate, 0);
             sums.clear();
@@ -115,8 +124,8 @@ impl Place<'_> {
                 pattern.fill_on(self.machine, squares, len);
                 self.emitter.place(self.machine, squares, len, places);
                 self.emitter.read(places, len, exitances);
-                for (point, sum) in job.points.iter().zip(sums.iter_mut()) {
-                    let block = Block { places, exitances: Some(exitances), len, shading };
+                for ((point, outlooks), sum) in job.points.iter().zip(&outlooks).zip(sums.iter_mut()) {
+                    let block = Block { places, exitances: Some(exitances), outlooks, len, shading };
                     self.emitter.gather(self.machine, point, block, sum);
                 }
                 left -= len as u64;
@@ -157,7 +166,7 @@ impl Place<'_> {
                 if !job.strategy.shares_points() {
                     self.scatter::<N>(job.strategy, keys, p as u64 + 1, squares, places);
                 }
-                self.emitter.illuminate(self.machine, point, places, N * count, shading);
+                self.emitter.illuminate(self.machine, point, places, &[], N * count, shading);
                 if job.strategy.shares_points() {
                     self.emitter.weigh_by(self.machine, exitances, N * count, shading);
                 } else {
@@ -178,7 +187,7 @@ impl Place<'_> {
 mod tests {
     use super::*;
     use crate::configuration::{Arrangement, MeasurementPoint, Source};
-    use crate::geometry::{DVec3, Disk, Rectangle, Shape, Sphere};
+    use crate::geometry::{DVec3, Disk, Mesh, Rectangle, Shape, Sphere};
     use crate::radiometry::Exitance;
     use crate::sampling::{Strategy, Technique};
 
@@ -269,6 +278,32 @@ mod tests {
                 machine,
                 ..AreaEstimator::new(room)
             });
+        }
+    }
+
+    #[test]
+    fn replicates_that_see_a_mesh_together_are_those_one_by_one_bit_for_bit() {
+        // Together they look for its silhouette; of one alone the rays are too few for that.
+        let plate = Rectangle::new(DVec3::new(0.1, 0.2, 1.0), DVec3::X * 0.6, DVec3::new(0.0, 0.5, 0.1)).unwrap();
+        let corners = plate.corners().to_vec();
+        let mesh = Shape::Mesh(Mesh::new(corners, vec![[0, 1, 2], [0, 2, 3]]).unwrap().subdivided(5));
+        let ball = Shape::Sphere(Sphere::new(DVec3::new(0.2, 0.1, 2.0), 0.6).unwrap());
+        for (source, strategies) in [(disk(2.0, 0.8), Strategy::ALL), (ball, Strategy::ALL)] {
+            let room = over_the_origin(source, vec![mesh.clone()]);
+            for strategy in strategies {
+                let estimator = super::super::for_technique(&room, strategy.technique());
+                let all =
+                    Job { strategy, samples: 49, cell: StreamKey::root(9), replicates: 3..53, points: room.points() };
+                let mut together = vec![0.0; 50];
+                estimator.estimate(&all, &mut Scratch::default(), &mut together);
+                assert!(together.iter().sum::<f64>() > 0.0);
+                for (r, together) in together.iter().enumerate() {
+                    let mut alone = [0.0];
+                    let one = Job { replicates: 3 + r as u64..4 + r as u64, ..all.clone() };
+                    estimator.estimate(&one, &mut Scratch::default(), &mut alone);
+                    assert_eq!(alone[0].to_bits(), together.to_bits(), "{strategy} replicate {r}");
+                }
+            }
         }
     }
 

@@ -6,10 +6,11 @@ use std::sync::Arc;
 use glam::DVec3;
 use smallvec::SmallVec;
 
+use super::between::Between;
 use crate::configuration::{Configuration, MeasurementPoint, Source};
 use crate::number::{Eight, Lanewise, Machine, Registers, Work};
 use crate::sampling::{BLOCK, LANES, Row, Squares, StreamKey, Surface, SurfaceBlock, groups};
-use crate::scene::{Blocker, Displacement, ShadowCache, ShadowRays, Stop, Surroundings};
+use crate::scene::{Displacement, Help, Outlook, ShadowCache, ShadowRays, Stop, Surroundings};
 use crate::texture::Texture;
 
 /// A source, and what can come between it and a shading point.
@@ -18,7 +19,7 @@ pub(super) struct Emitter {
     /// Area × exitance / π, W/sr; of a textured source area / π, the exitance being read at each place.
     pub(super) strength: f64,
     texture: Option<Arc<Texture>>,
-    blockers: Vec<Arc<Blocker>>,
+    pub(super) between: Between,
 }
 
 /// Working memory of one thread; its size does not depend on the number of samples.
@@ -63,6 +64,8 @@ impl Default for Shading {
 pub(super) struct Block<'a> {
     pub(super) places: &'a SurfaceBlock,
     pub(super) exitances: Option<&'a Exitances>,
+    /// From the point that is to gather.
+    pub(super) outlooks: &'a [Option<Outlook>],
     pub(super) len: usize,
     pub(super) shading: &'a mut Shading,
 }
@@ -74,8 +77,8 @@ pub(super) fn emitters(configuration: &Configuration, surroundings: &Surrounding
         Emitter {
             strength: surface.area() * uniform_exitance(source) / PI,
             texture: source.texture().cloned(),
+            between: Between::new(surroundings, own, source, surface.flat_normal()),
             surface,
-            blockers: surroundings.before(own),
         }
     });
     emitters.collect()
@@ -147,17 +150,20 @@ impl Emitter {
         machine: Machine,
         point: &MeasurementPoint,
         places: &SurfaceBlock,
+        outlooks: &[Option<Outlook>],
         len: usize,
         shading: &mut Shading,
     ) {
         let Shading { rays, contributions, caches } = shading;
         let mut stops = SmallVec::<[Stop; 2]>::new();
         self.stops(point, &mut stops);
-        let rays_of_meshes = self.has_meshes().then_some(&mut *rays);
+        let rays_of_meshes = self.between.has_meshes().then_some(&mut *rays);
         machine.run(Lit { emitter: self, point, places, len, stops: &stops, rays: rays_of_meshes, contributions });
-        caches.resize_with(caches.len().max(self.blockers.len()), ShadowCache::default);
-        for (blocker, cache) in self.blockers.iter().zip(caches).filter(|(blocker, _)| blocker.is_mesh()) {
-            blocker.shade_on(machine, point.position(), rays, len, contributions, Some(cache));
+        caches.resize_with(caches.len().max(self.between.blockers.len()), ShadowCache::default);
+        let blockers = self.between.blockers.iter().zip(caches).enumerate();
+        for (k, (blocker, cache)) in blockers.filter(|(_, (blocker, _))| blocker.is_mesh()) {
+            let help = Help { cache: Some(cache), outlook: outlooks.get(k).and_then(Option::as_ref) };
+            blocker.shade_on(machine, point.position(), rays, len, contributions, help);
         }
     }
 
@@ -166,14 +172,14 @@ impl Emitter {
     ///
     /// - `exitances`: of the block's places, where [`Emitter::read`] found them
     pub(super) fn gather(&self, machine: Machine, point: &MeasurementPoint, block: Block, sum: &mut [f64; LANES]) {
-        let Block { places, exitances, len, shading } = block;
-        if self.texture.is_none() && !self.has_meshes() {
+        let Block { places, exitances, outlooks, len, shading } = block;
+        if self.texture.is_none() && !self.between.has_meshes() {
             let mut stops = SmallVec::<[Stop; 2]>::new();
             self.stops(point, &mut stops);
             machine.run(Gathered { emitter: self, point, places, len, stops: &stops, sum });
             return;
         }
-        self.illuminate(machine, point, places, len, shading);
+        self.illuminate(machine, point, places, outlooks, len, shading);
         match exitances {
             Some(exitances) => self.weigh_by(machine, exitances, len, shading),
             None => self.weigh(places, len, shading),
@@ -181,13 +187,9 @@ impl Emitter {
         shading.add_to(machine, sum, len);
     }
 
-    fn has_meshes(&self) -> bool {
-        self.blockers.iter().any(|blocker| blocker.is_mesh())
-    }
-
     /// What its analytic blockers are to a point.
     fn stops<'a>(&'a self, point: &MeasurementPoint, stops: &mut SmallVec<[Stop<'a>; 2]>) {
-        for blocker in &self.blockers {
+        for blocker in &self.between.blockers {
             if let Some(stop) = blocker.stop(point.position()) {
                 stops.push(stop);
             }

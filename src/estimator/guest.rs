@@ -231,7 +231,7 @@ impl Estimator for GuestPoints<'_> {
                             (*u, *v) = (point[0], point[1]);
                         }
                         emitter.place(machine, &squares, block.len(), &mut places);
-                        emitter.illuminate(machine, &job.points[p], &places, block.len(), &mut shading);
+                        emitter.illuminate(machine, &job.points[p], &places, &[], block.len(), &mut shading);
                         emitter.weigh(&places, block.len(), &mut shading);
                         for k in 0..block.len() {
                             sum[k % LANES] += shading.contribution(k / LANES, k % LANES);

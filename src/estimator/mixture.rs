@@ -124,7 +124,7 @@ impl Source {
     ) {
         let MixtureEstimator { heuristic, machine, .. } = *estimator;
         self.emitter.place(machine, squares, len, &mut work.places);
-        self.emitter.illuminate(machine, point, &work.places, len, &mut work.shading);
+        self.emitter.illuminate(machine, point, &work.places, &[], len, &mut work.shading);
         for g in 0..groups(len) {
             for l in 0..LANES {
                 // Finite, so that the product with a weight of zero is zero.

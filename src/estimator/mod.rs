@@ -4,6 +4,7 @@
 
 #[cfg(feature = "studies")]
 mod area;
+mod between;
 #[cfg(feature = "studies")]
 mod cosine;
 #[cfg(feature = "studies")]

@@ -15,13 +15,14 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use super::between::{Between, Outlooks};
 use super::draws::{mean, source_key};
 use super::emitter::uniform_exitance;
 use super::{Estimator, Job, Scratch};
 use crate::configuration::{Configuration, MeasurementPoint};
 use crate::number::{Machine, Registers, Work};
 use crate::sampling::{BLOCK, DirectionBlock, LANES, Row, Silhouette, Squares, View, groups};
-use crate::scene::{Blocker, ShadowRays, Surroundings};
+use crate::scene::{Help, ShadowRays, Surroundings};
 use crate::texture::Texture;
 
 /// Estimates irradiance by directions towards the sources.
@@ -36,7 +37,7 @@ struct Emitter {
     /// Exitance / π, W/(m² sr); of a textured source 1/π, the exitance being read where a direction meets it.
     radiance: f64,
     texture: Option<Arc<Texture>>,
-    blockers: Vec<Arc<Blocker>>,
+    between: Between,
 }
 
 impl SolidAngleEstimator {
@@ -47,7 +48,7 @@ impl SolidAngleEstimator {
             silhouette: Silhouette::new(source.shape()).expect("a source is no mesh"),
             radiance: uniform_exitance(source) / PI,
             texture: source.texture().cloned(),
-            blockers: surroundings.before(own),
+            between: Between::new(&surroundings, own, source, None),
         });
         SolidAngleEstimator { emitters: emitters.collect(), machine: Machine::new() }
     }
@@ -88,6 +89,8 @@ impl Work for Estimate<'_, '_> {
                 if strength == 0.0 {
                     continue;
                 }
+                let rays = job.samples * replicates as u64;
+                aim.outlooks = emitter.between.outlooks(*machine, point.position(), rays);
                 for (replicate, estimate) in job.replicates.clone().zip(row.iter_mut()) {
                     let key = source_key(job, replicate, p, source);
                     *estimate += strength
@@ -104,6 +107,7 @@ impl Work for Estimate<'_, '_> {
 #[derive(Default)]
 struct Aim {
     view: View,
+    outlooks: Outlooks,
     directions: DirectionBlock,
     distances: Distances,
     rays: ShadowRays,
@@ -129,7 +133,7 @@ impl Aim {
         len: usize,
         brought: &mut Row,
     ) {
-        let Aim { view, directions, distances: Distances(distances), rays } = self;
+        let Aim { view, outlooks, directions, distances: Distances(distances), rays } = self;
         view.draw(squares, len, directions, distances);
         for (g, brought) in brought.iter_mut().enumerate().take(groups(len)) {
             for (l, brought) in brought.iter_mut().enumerate() {
@@ -141,8 +145,9 @@ impl Aim {
                 rays.z[g][l] = direction.z * distance;
             }
         }
-        for blocker in &emitter.blockers {
-            blocker.shade_on(machine, point.position(), rays, len, brought, None);
+        for (k, blocker) in emitter.between.blockers.iter().enumerate() {
+            let help = Help { cache: None, outlook: outlooks.get(k).and_then(Option::as_ref) };
+            blocker.shade_on(machine, point.position(), rays, len, brought, help);
         }
         if let Some(texture) = &emitter.texture {
             for (g, brought) in brought.iter_mut().enumerate().take(groups(len)) {

@@ -21,7 +21,7 @@ pub use parametrisation::{
 };
 pub use partition::Partition;
 pub use polygon::Polygon;
-pub use shape::{Disk, Rectangle, Shape, ShapeError, Sphere, Triangle};
+pub use shape::{Disk, Rectangle, Shape, ShapeError, Sphere, Triangle, box_corners};
 pub(crate) use shape::{finite as finite_point, positive, unit};
 
 /// `glam`'s double-precision vector, re-exported so that users need not match its version.

@@ -5,7 +5,7 @@
 
 use glam::DVec3;
 
-use super::{Mesh, Polygon};
+use super::{Frame, Mesh, Polygon};
 use crate::errors::errors;
 
 /// Relative tolerance for "perpendicular" edges of a rectangle: case files are written in decimals.
@@ -277,6 +277,21 @@ impl Shape {
         }
     }
 
+    /// A few points whose convex hull holds the shape, metres; of a flat shape, in its plane.
+    pub fn hull(&self) -> Vec<DVec3> {
+        match self {
+            Shape::Disk(s) => {
+                let frame = Frame::around(s.normal());
+                let corners = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)];
+                corners.map(|(x, y)| s.center() + (frame.tangent * x + frame.bitangent * y) * s.radius()).to_vec()
+            }
+            Shape::Rectangle(s) => s.corners().to_vec(),
+            Shape::Polygon(s) => s.vertices().to_vec(),
+            Shape::Sphere(_) => box_corners(self.bounds()).to_vec(),
+            Shape::Mesh(s) => s.vertices().to_vec(),
+        }
+    }
+
     /// Corners of an axis-aligned box that holds the shape, metres.
     pub fn bounds(&self) -> (DVec3, DVec3) {
         fn of_points<'a>(points: impl IntoIterator<Item = &'a DVec3>) -> (DVec3, DVec3) {
@@ -295,6 +310,13 @@ impl Shape {
             Shape::Mesh(s) => of_points(s.vertices()),
         }
     }
+}
+
+/// The eight corners of an axis-aligned box, given two opposite ones.
+pub fn box_corners((low, high): (DVec3, DVec3)) -> [DVec3; 8] {
+    std::array::from_fn(|k| {
+        DVec3::new([low.x, high.x][k & 1], [low.y, high.y][k >> 1 & 1], [low.z, high.z][k >> 2 & 1])
+    })
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::outlook::{Outlines, Outlook, Target};
 use super::{Hierarchy, ShadowCache};
 use crate::geometry::{Frame, Polygon, Shape};
 use crate::number::{Eight, Lanewise, Machine, Registers, Work};
@@ -59,7 +60,13 @@ pub enum Blocker {
         center: DVec3,
         radius_squared: f64,
     },
-    Mesh(Box<Hierarchy>),
+    Mesh(Box<Obstacle>),
+}
+
+/// A mesh.
+pub struct Obstacle {
+    pub(super) hierarchy: Hierarchy,
+    outlines: Outlines,
 }
 
 /// An edge of a flat outline: it spans y in [low, high) and lies at x = at_zero + slope·y.
@@ -98,7 +105,10 @@ impl Blocker {
             }
             Shape::Polygon(s) => polygon(s),
             Shape::Sphere(s) => Blocker::Ball { center: s.center(), radius_squared: s.radius() * s.radius() },
-            Shape::Mesh(s) => Blocker::Mesh(Box::new(Hierarchy::new(s, reach))),
+            Shape::Mesh(s) => Blocker::Mesh(Box::new(Obstacle {
+                hierarchy: Hierarchy::new(s, reach),
+                outlines: Outlines::default(),
+            })),
         }
     }
 
@@ -106,7 +116,7 @@ impl Blocker {
     ///
     /// - `from`: the shading point, metres
     pub fn shade(&self, from: DVec3, rays: &ShadowRays, len: usize, contributions: &mut Row) {
-        self.shade_on(Machine::Any, from, rays, len, contributions, None);
+        self.shade_on(Machine::Any, from, rays, len, contributions, Help::default());
     }
 
     /// As [`Blocker::shade`], in the registers of a machine.
@@ -117,10 +127,13 @@ impl Blocker {
         rays: &ShadowRays,
         len: usize,
         contributions: &mut Row,
-        cache: Option<&mut ShadowCache>,
+        help: Help,
     ) {
         match self {
-            Blocker::Mesh(hierarchy) => hierarchy.shade(from, rays, len, contributions, cache),
+            Blocker::Mesh(mesh) => match help.outlook {
+                Some(outlook) => outlook.shade(machine, &mesh.hierarchy, from, rays, len, contributions),
+                None => mesh.hierarchy.shade(from, rays, len, contributions, help.cache),
+            },
             analytic => {
                 if let Some(stop) = analytic.stop(from) {
                     machine.run(Shade { stop, rays, len, contributions });
@@ -154,10 +167,25 @@ impl Blocker {
         }
     }
 
+    /// Where this is known, before any ray is sent, to hide a source from a point; of a mesh, and if enough rays are to follow.
+    pub(crate) fn outlook(&self, machine: Machine, from: DVec3, target: &Target, rays: u64) -> Option<Outlook> {
+        let Blocker::Mesh(mesh) = self else { return None };
+        mesh.outlines.seen(&mesh.hierarchy, machine, from, target, rays)
+    }
+
     /// What [`Blocker::stop`] has no answer for.
     pub(crate) fn is_mesh(&self) -> bool {
         matches!(self, Blocker::Mesh(_))
     }
+}
+
+/// What makes a mesh answer sooner; it changes no answer.
+#[derive(Default)]
+pub(crate) struct Help<'a> {
+    /// What blocked last.
+    pub cache: Option<&'a mut ShadowCache>,
+    /// Found by this mesh for the point that the rays start from.
+    pub outlook: Option<&'a Outlook>,
 }
 
 /// An analytic blocker as one shading point sees it.
@@ -212,7 +240,7 @@ impl Work for Shade<'_> {
 pub(crate) type Displacement<T> = [T; 3];
 
 #[inline(always)]
-fn dot<T: Lanewise>([x, y, z]: Displacement<T>, by: DVec3) -> T {
+pub(super) fn dot<T: Lanewise>([x, y, z]: Displacement<T>, by: DVec3) -> T {
     x * by.x + y * by.y + z * by.z
 }
 

@@ -18,7 +18,9 @@ const PADDING: f64 = 1e-12;
 /// Triangles of one mesh, and the boxes around them.
 pub struct Hierarchy {
     /// In the order of the halves.
-    triangles: Vec<[DVec3; 3]>,
+    faces: Vec<[u32; 3]>,
+    /// Metres.
+    vertices: Vec<DVec3>,
     whole: Part,
 }
 
@@ -33,18 +35,30 @@ struct Part {
 impl Hierarchy {
     /// - `mesh`: what blocks; `reach`: a box (low, high) that holds every end of every ray, metres
     pub fn new(mesh: &Mesh, reach: (DVec3, DVec3)) -> Hierarchy {
-        let mut triangles: Vec<[DVec3; 3]> = (0..mesh.triangles().len()).map(|t| mesh.corners(t)).collect();
+        let (mut faces, vertices) = (mesh.triangles().to_vec(), mesh.vertices().to_vec());
         let size = mesh.vertices().iter().chain([&reach.0, &reach.1]).map(|p| p.abs().max_element());
         let padding = PADDING * size.fold(f64::MIN_POSITIVE, f64::max);
-        let n = triangles.len();
-        let whole = Part::new(&mut triangles, 0..n, padding);
-        Hierarchy { triangles, whole }
+        let n = faces.len();
+        let whole = Part::new(&mut faces, &vertices, 0..n, padding);
+        Hierarchy { faces, vertices, whole }
+    }
+
+    /// Metres.
+    #[cfg(not(feature = "fast"))]
+    pub(super) fn vertices(&self) -> &[DVec3] {
+        &self.vertices
+    }
+
+    /// Corners of the triangles among the vertices, neighbours together.
+    #[cfg(not(feature = "fast"))]
+    pub(super) fn faces(&self) -> &[[u32; 3]] {
+        &self.faces
     }
 
     /// Whether a triangle lies strictly between two points.
     pub fn blocks(&self, from: DVec3, to: DVec3) -> bool {
         let Some(segment) = Segment::new(from, to) else { return false };
-        self.whole.blocks(&self.triangles, &segment, from, to)
+        self.whole.blocks(self, &segment, from, to)
     }
 
     /// Sets to zero the contributions of the rays that this blocks, among the first `len` of a block.
@@ -71,29 +85,31 @@ impl Hierarchy {
 }
 
 impl Part {
-    fn new(triangles: &mut [[DVec3; 3]], range: std::ops::Range<usize>, padding: f64) -> Part {
-        let own = &mut triangles[range.clone()];
+    fn new(faces: &mut [[u32; 3]], vertices: &[DVec3], range: std::ops::Range<usize>, padding: f64) -> Part {
+        let own = &mut faces[range.clone()];
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        for corner in own.iter().flatten() {
-            (low, high) = (low.min(*corner), high.max(*corner));
+        for corner in own.iter().flatten().map(|corner| vertices[*corner as usize]) {
+            (low, high) = (low.min(corner), high.max(corner));
         }
         let mut halves = None;
         if own.len() > SMALL {
             let axis = (high - low).max_position();
-            let place = |triangle: &[DVec3; 3]| triangle[0][axis] + triangle[1][axis] + triangle[2][axis];
+            let place = |face: &[u32; 3]| face.iter().map(|corner| vertices[*corner as usize][axis]).sum::<f64>();
             own.sort_by(|a, b| place(a).total_cmp(&place(b)));
             let middle = range.start + own.len() / 2;
             let parts = [range.start..middle, middle..range.end];
-            halves = Some(Box::new(parts.map(|half| Part::new(triangles, half, padding))));
+            halves = Some(Box::new(parts.map(|half| Part::new(faces, vertices, half, padding))));
         }
         Part { low: low - padding, high: high + padding, range, halves }
     }
 
-    fn blocks(&self, triangles: &[[DVec3; 3]], segment: &Segment, from: DVec3, to: DVec3) -> bool {
+    fn blocks(&self, mesh: &Hierarchy, segment: &Segment, from: DVec3, to: DVec3) -> bool {
         self.is_near(from, to)
             && match &self.halves {
-                Some(halves) => halves.iter().any(|half| half.blocks(triangles, segment, from, to)),
-                None => triangles[self.range.clone()].iter().any(|triangle| segment.meets(triangle)),
+                Some(halves) => halves.iter().any(|half| half.blocks(mesh, segment, from, to)),
+                None => mesh.faces[self.range.clone()]
+                    .iter()
+                    .any(|face| segment.meets(&face.map(|corner| mesh.vertices[corner as usize]))),
             }
     }
 

@@ -59,6 +59,16 @@ impl Hierarchy {
         Hierarchy { wide: Wide::new(&bvh, mesh, middle, scale), middle, scale }
     }
 
+    /// Metres.
+    pub(super) fn vertices(&self) -> &[DVec3] {
+        self.wide.vertices()
+    }
+
+    /// Corners of the triangles among the vertices, neighbours together; some follow upon themselves.
+    pub(super) fn faces(&self) -> &[[u32; 3]] {
+        self.wide.faces()
+    }
+
     /// Whether a triangle lies strictly between two points.
     pub fn blocks(&self, from: DVec3, to: DVec3) -> bool {
         on_this_machine(One { hierarchy: self, from, to })

@@ -10,6 +10,7 @@ mod first_met;
 mod halves;
 #[cfg_attr(not(feature = "fast"), path = "halves.rs")]
 mod hierarchy;
+mod outlook;
 mod segment;
 mod shadow_cache;
 mod surroundings;
@@ -17,9 +18,10 @@ mod surroundings;
 mod wide;
 
 pub use blocker::{Blocker, ShadowRays};
-pub(crate) use blocker::{Displacement, Stop};
+pub(crate) use blocker::{Displacement, Help, Stop};
 #[cfg(feature = "studies")]
 pub use first_met::Met;
 pub use hierarchy::Hierarchy;
+pub(crate) use outlook::{Outlook, Target};
 pub use shadow_cache::ShadowCache;
 pub use surroundings::{Surroundings, reach};

@@ -304,6 +304,13 @@ impl Wide {
         LEAF | ((count as u32) << COUNT_SHIFT) | first as u32
     }
 
+    pub(super) fn vertices(&self) -> &[DVec3] {
+        &self.vertices
+    }
+    pub(super) fn faces(&self) -> &[[u32; 3]] {
+        &self.faces
+    }
+
     /// All triangles, some of them more than once.
     pub(super) fn triangles(&self) -> impl Iterator<Item = [DVec3; 3]> {
         self.faces.iter().map(|face| self.corners(face))
