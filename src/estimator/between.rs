@@ -41,9 +41,7 @@ impl Between {
         if !self.has_meshes {
             return Outlooks::new();
         }
-        let middle = self.hull.iter().sum::<DVec3>() / self.hull.len() as f64;
-        let Some(axis) = self.normal.or_else(|| (middle - from).try_normalize()) else { return Outlooks::new() };
-        let target = Target { hull: &self.hull, axis };
+        let Some(target) = Target::new(&self.hull, self.normal, from) else { return Outlooks::new() };
         self.blockers.iter().map(|blocker| blocker.outlook(machine, from, &target, rays)).collect()
     }
 }

@@ -160,6 +160,8 @@ fn meaning(stage: &str) -> &'static str {
         "brute_force_rays" => "the same without",
         "rays_with_cache" => "shadow rays by blocks, with the shadow cache",
         "rays_without_cache" => "the same without",
+        "silhouette_search" => "a mesh's silhouette, from each point",
+        "rays_past_silhouette" => "shadow rays by blocks, the silhouette being known",
         _ => "",
     }
 }

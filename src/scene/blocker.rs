@@ -65,7 +65,7 @@ pub enum Blocker {
 
 /// A mesh.
 pub struct Obstacle {
-    pub(super) hierarchy: Hierarchy,
+    hierarchy: Hierarchy,
     outlines: Outlines,
 }
 
@@ -176,6 +176,12 @@ impl Blocker {
     /// What [`Blocker::stop`] has no answer for.
     pub(crate) fn is_mesh(&self) -> bool {
         matches!(self, Blocker::Mesh(_))
+    }
+
+    /// Of a mesh.
+    pub(crate) fn hierarchy(&self) -> Option<&Hierarchy> {
+        let Blocker::Mesh(mesh) = self else { return None };
+        Some(&mesh.hierarchy)
     }
 }
 

@@ -51,11 +51,11 @@ impl Surroundings {
             occluder.meet(from, directions, len, Met::NOTHING, met);
         }
         for occluder in &self.occluders {
-            let Blocker::Mesh(mesh) = &**occluder else { continue };
+            let Some(hierarchy) = occluder.hierarchy() else { continue };
             for g in 0..groups(len) {
                 for l in 0..LANES {
                     let end = || from + directions.direction(g, l) * met.distance[g][l];
-                    if met.source[g][l] != Met::NOTHING && mesh.hierarchy.blocks(from, end()) {
+                    if met.source[g][l] != Met::NOTHING && hierarchy.blocks(from, end()) {
                         met.source[g][l] = Met::NOTHING;
                     }
                 }

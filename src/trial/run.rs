@@ -48,6 +48,9 @@ pub enum TrialError {
     /// The shadow cache changed what is blocked: a fault of this program.
     #[error("{case}: mesh {mesh} blocks other shadow rays from point {point} with its cache than without")]
     CacheDisagrees { case: String, mesh: usize, point: usize },
+    /// What the silhouette tells is not what rays tell: a fault of this program.
+    #[error("{case}: mesh {mesh} blocks other shadow rays from point {point} by its silhouette than ray by ray")]
+    SilhouetteDisagrees { case: String, mesh: usize, point: usize },
     /// The system gives no thread to work on.
     #[error("the system gives no thread to work on")]
     NoThread,

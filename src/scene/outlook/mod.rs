@@ -33,10 +33,21 @@ const SMALL: f64 = 1e-9;
 
 /// A source as its shading points look at it.
 pub(crate) struct Target<'a> {
-    /// Points whose hull holds the source, metres.
-    pub hull: &'a [DVec3],
+    hull: &'a [DVec3],
     /// The normal of a flat source; towards its middle otherwise.
-    pub axis: DVec3,
+    axis: DVec3,
+}
+
+impl<'a> Target<'a> {
+    /// `None` from the middle of a source that is not flat.
+    ///
+    /// - `hull`: points whose hull holds the source, metres
+    /// - `normal`: of a flat source
+    pub(crate) fn new(hull: &'a [DVec3], normal: Option<DVec3>, from: DVec3) -> Option<Target<'a>> {
+        let middle = hull.iter().sum::<DVec3>() / hull.len() as f64;
+        let axis = normal.or_else(|| (middle - from).try_normalize())?;
+        Some(Target { hull, axis })
+    }
 }
 
 /// Where a mesh is known to hide a source from one point, and where it is known not to.
@@ -64,7 +75,9 @@ impl Outlook {
             (near, far) = (near.min(along(&corner)), far.max(along(&corner)));
             size = size.max((corner - from).length());
         }
-        if !(near > 1e-6 * size && far < source * (1.0 - SMALL)) {
+        // Coordinates round by their own size, and what is near shows that most.
+        let rounded = 1e-6 * size + 10.0 * SMALL * (from.abs().max_element() + size);
+        if !(near > rounded && far < source * (1.0 - SMALL)) {
             return None;
         }
         let frame = Frame::around(ahead);

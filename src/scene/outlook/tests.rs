@@ -87,19 +87,20 @@ fn on(shape: &Shape, draws: &mut Stream) -> DVec3 {
     }
 }
 
-fn axis(shape: &Shape, from: DVec3) -> DVec3 {
+fn normal(shape: &Shape) -> Option<DVec3> {
     match shape {
-        Shape::Rectangle(s) => s.normal(),
-        Shape::Disk(s) => s.normal(),
-        Shape::Polygon(s) => s.normal(),
-        other => (other.hull().iter().sum::<DVec3>() / 8.0 - from).normalize(),
+        Shape::Rectangle(s) => Some(s.normal()),
+        Shape::Disk(s) => Some(s.normal()),
+        Shape::Polygon(s) => Some(s.normal()),
+        _ => None,
     }
 }
 
 /// Looks from a point past a mesh at a source, as if there were rays without end to follow.
 fn look(mesh: &Mesh, from: DVec3, shape: &Shape) -> (Hierarchy, Option<Outlook>) {
     let hierarchy = Hierarchy::new(mesh, (DVec3::splat(-4.0), DVec3::splat(4.0)));
-    let target = Target { hull: &shape.hull(), axis: axis(shape, from) };
+    let hull = shape.hull();
+    let target = Target::new(&hull, normal(shape), from).unwrap();
     let outlook = Outlines::default().seen(&hierarchy, Machine::new(), from, &target, u64::MAX);
     (hierarchy, outlook)
 }
@@ -200,7 +201,8 @@ fn what_is_not_wholly_between_gives_no_outlook() {
 fn few_rays_look_for_nothing() {
     let shape = &sources()[0];
     let hierarchy = Hierarchy::new(&dented_ball(40), (DVec3::splat(-4.0), DVec3::splat(4.0)));
-    let target = Target { hull: &shape.hull(), axis: axis(shape, DVec3::ZERO) };
+    let hull = shape.hull();
+    let target = Target::new(&hull, normal(shape), DVec3::ZERO).unwrap();
     let outlines = Outlines::default();
     let looks = |rays| outlines.seen(&hierarchy, Machine::Any, DVec3::ZERO, &target, rays).is_some();
     let triangles = hierarchy.faces().len() as u64;
