@@ -9,7 +9,7 @@ use super::tally::Tally;
 use crate::geometry::{DVec3, Frame, TexelGrid};
 
 /// A branch that carries less than this share of its ray's first flux splits no further: one part is chosen.
-const FAINT: f64 = 1.0 / 1024.0;
+pub(super) const FAINT: f64 = 1.0 / 1024.0;
 /// Squared sine of the angle between two planes of incidence that count as one: 1e-6 turns 1e-12 of the difference between
 /// s and p.
 const SAME_PLANE: f64 = 1e-12;
@@ -109,27 +109,18 @@ impl<'a> Tracer<'a> {
         Tracer { room, landings, depth, split, rings, tiles }
     }
 
-    /// Follows a ray and its branches to their ends, and books all of its flux.
-    ///
-    /// - `branches`: scratch, empty before and after
-    #[inline(always)]
-    pub fn follow(&self, ray: &Ray, branches: &mut Vec<Ray>, draws: &mut Draws, tally: &mut Tally) {
-        let faint = ray.flux() * FAINT;
-        tally.rays += 1;
-        tally.emitted += ray.flux();
-        let mut ray = *ray;
-        loop {
-            while self.step(&mut ray, faint, branches, draws, tally) {}
-            match branches.pop() {
-                Some(branch) => ray = branch,
-                None => return,
-            }
-        }
-    }
-
     /// To the next meeting, and whether the ray goes on from there; what ends is booked.
+    ///
+    /// - `faint`: flux below which it splits no further, W; `branches`: takes what a split sends another way
     #[inline(always)]
-    fn step(&self, ray: &mut Ray, faint: f64, branches: &mut Vec<Ray>, draws: &mut Draws, tally: &mut Tally) -> bool {
+    pub fn step(
+        &self,
+        ray: &mut Ray,
+        faint: f64,
+        branches: &mut Vec<Ray>,
+        draws: &mut Draws,
+        tally: &mut Tally,
+    ) -> bool {
         match self.advance(ray, faint, branches, draws, tally) {
             Ok(goes_on) => return goes_on,
             Err(End::Escaped) => tally.escaped += ray.flux(),

@@ -5,17 +5,12 @@
 
 use super::ledger::{Moments, Sum};
 
-/// The cells that one group has touched, each once.
-#[derive(Clone, Debug, Default)]
-struct Touched(Vec<(u32, f64)>);
-
-impl Touched {
-    #[inline(always)]
-    fn add(&mut self, cell: u32, flux: f64) {
-        match self.0.iter_mut().find(|(known, _)| *known == cell) {
-            Some((_, sum)) => *sum += flux,
-            None => self.0.push((cell, flux)),
-        }
+/// Adds to a cell among those that a group has touched, each once: all from `first` on.
+#[inline(always)]
+fn add_to(cells: &mut Vec<(u32, f64)>, first: usize, cell: u32, flux: f64) {
+    match cells[first..].iter_mut().find(|(known, _)| *known == cell) {
+        Some((_, sum)) => *sum += flux,
+        None => cells.push((cell, flux)),
     }
 }
 
@@ -23,23 +18,23 @@ impl Touched {
 #[derive(Clone, Debug)]
 pub(crate) struct Dense {
     pub cells: Vec<Moments>,
-    touched: Touched,
+    /// What the group that is not closed yet has left in which of them.
+    touched: Vec<(u32, f64)>,
 }
 
 impl Dense {
     pub fn new(n: usize) -> Dense {
-        Dense { cells: vec![Moments::default(); n], touched: Touched::default() }
+        Dense { cells: vec![Moments::default(); n], touched: Vec::new() }
     }
     #[inline(always)]
     pub fn add(&mut self, cell: usize, flux: f64) {
-        self.touched.add(cell as u32, flux);
+        add_to(&mut self.touched, 0, cell as u32, flux);
     }
     #[inline(always)]
     fn settle(&mut self) {
-        for (cell, flux) in &self.touched.0 {
-            self.cells[*cell as usize].add(*flux);
+        for (cell, flux) in self.touched.drain(..) {
+            self.cells[cell as usize].add(flux);
         }
-        self.touched.0.clear();
     }
     pub fn merge(&mut self, other: &Dense) {
         self.cells.iter_mut().zip(&other.cells).for_each(|(cell, other)| cell.merge(other));
@@ -65,12 +60,13 @@ pub(crate) struct Tally {
     /// What each group left in each texel, in order. Texels are counted through all maps: twice the texel's number, plus
     /// one where the light has met an optic.
     pub texels: Vec<(u32, f64)>,
+    /// How many of them closed groups have left.
+    closed: usize,
     /// Interactions at which polarised light changed its plane of incidence, and the flux of them.
     pub depolarised: u64,
     pub depolarised_flux: Sum,
     /// Rays and branches that met each optic.
     pub reached: Vec<u64>,
-    touched: Touched,
     in_group: f64,
 }
 
@@ -88,10 +84,10 @@ impl Tally {
             rings: Dense::new((depth + 1) * n_rings),
             tiles: Dense::new((depth + 1) * n_tiles),
             texels: Vec::new(),
+            closed: 0,
             depolarised: 0,
             depolarised_flux: Sum::default(),
             reached: vec![0; n_optics],
-            touched: Touched::default(),
             in_group: 0.0,
         }
     }
@@ -100,7 +96,7 @@ impl Tally {
     #[inline(always)]
     pub fn deposit(&mut self, texel: u32, flux: f64) {
         self.in_group += flux;
-        self.touched.add(texel, flux);
+        add_to(&mut self.texels, self.closed, texel, flux);
     }
 
     /// Closes a group of rays.
@@ -108,8 +104,7 @@ impl Tally {
     pub fn settle(&mut self) {
         self.groups += 1;
         self.deposited.add(std::mem::take(&mut self.in_group));
-        self.texels.extend_from_slice(&self.touched.0);
-        self.touched.0.clear();
+        self.closed = self.texels.len();
         self.orders.settle();
         self.rings.settle();
         self.tiles.settle();

@@ -2,16 +2,16 @@
 
 use rayon::prelude::*;
 
-use super::chain::Tracer;
+use super::chain::{FAINT, Ray, Tracer};
 use super::draws::Draws;
 use super::emitter::{Emitter, Group, emitters};
 use super::ledger::{Ledger, Moments, Sum};
 use super::map::{Landing, RingMap, TexelMap, TileMap};
-use super::room::Room;
+use super::room::{Room, Start};
 use super::settings::LightSettings;
 use super::tally::Tally;
 use crate::configuration::Configuration;
-use crate::geometry::TexelGrid;
+use crate::geometry::{DVec3, TexelGrid};
 use crate::number::{Machine, Registers, Work};
 use crate::sampling::StreamKey;
 
@@ -19,6 +19,9 @@ use crate::sampling::StreamKey;
 const RAYS_A_BATCH: u64 = 1 << 13;
 /// Batches that are worked on before any of them is joined.
 const BATCHES_A_ROUND: u64 = 32;
+/// Batches that one thread works on side by side: a ray is one long chain of roots and quotients, each waiting for the one
+/// before, and in the meantime a ray of another batch goes on.
+const ABREAST: u64 = 2;
 /// Keeps the streams of the light apart from those of the estimators: "light" in ASCII.
 const PURPOSE: u64 = 0x006c_6967_6874;
 
@@ -124,15 +127,28 @@ impl LightTracer {
         let n_batches = n_groups.div_ceil(groups_a_batch);
         let mut maps: Vec<TexelMap> = self.landings.iter().map(TexelMap::new).collect();
         let n_texels = self.landings.first().map_or(1, |landing| landing.grid.n_texels());
+        let tracer = Tracer::new(&self.room, &self.landings, &self.settings);
+        let flux = self.source_power / n_groups as f64;
         let mut total = self.tally();
         for first in (0..n_batches).step_by(BATCHES_A_ROUND as usize) {
-            let round = first..(first + BATCHES_A_ROUND).min(n_batches);
+            let end = (first + BATCHES_A_ROUND).min(n_batches);
+            // No thread shall be idle for it.
+            let abreast = ((end - first) / rayon::current_num_threads() as u64).clamp(1, ABREAST);
             let batch = |k: u64| {
                 let groups = (n_groups - k * groups_a_batch).min(groups_a_batch);
-                self.batch(k, groups, n_groups)
+                self.batch(&tracer, k, groups, flux)
             };
-            let done: Vec<Tally> = round.into_par_iter().map(batch).collect();
-            for tally in &done {
+            let side_by_side = |k: u64| {
+                let from = first + k * abreast;
+                let mut batches: Vec<Batch> = (from..(from + abreast).min(end)).map(batch).collect();
+                // One source text, compiled for each instruction set and chosen at run time. Rust never fuses a
+                // multiplication and an addition by itself, so the set changes the speed and no bit.
+                self.machine.run(SideBySide(&mut batches));
+                batches.into_iter().map(|batch| batch.tally).collect::<Vec<Tally>>()
+            };
+            let n_tasks = (end - first).div_ceil(abreast);
+            let done: Vec<Vec<Tally>> = (0..n_tasks).into_par_iter().map(side_by_side).collect();
+            for tally in done.iter().flatten() {
                 total.merge(tally);
                 for (cell, flux) in &tally.texels {
                     let (texel, light) = (*cell as usize / 2, *cell as usize % 2);
@@ -179,12 +195,21 @@ impl LightTracer {
         Tally::new(self.room.n_maps(), self.settings.depth, [n_rings, n_tiles], self.room.n_optics())
     }
 
-    fn batch(&self, batch: u64, groups: u64, n_groups: u64) -> Tally {
-        let mut tally = self.tally();
-        // One source text, compiled for each instruction set and chosen at run time. Rust never fuses a multiplication
-        // and an addition by itself, so the set changes the speed and no bit.
-        self.machine.run(Batch { of: self, batch, groups, n_groups, tally: &mut tally });
-        tally
+    fn batch<'a>(&'a self, tracer: &'a Tracer<'a>, batch: u64, groups: u64, flux: f64) -> Batch<'a> {
+        Batch {
+            of: self,
+            tracer,
+            groups,
+            flux,
+            draws: Draws::new(self.root.with(batch)),
+            group: Group::default(),
+            next: 0,
+            ray: Ray::new(DVec3::ZERO, DVec3::Z, Start::Nowhere, None, 0.0),
+            goes_on: false,
+            faint: 0.0,
+            branches: Vec::new(),
+            tally: self.tally(),
+        }
     }
 
     /// A source, with a probability of its share of the power.
@@ -205,31 +230,81 @@ impl LightTracer {
     }
 }
 
-/// A batch as a function that can be compiled for any instruction set.
+/// A batch on its way: group after group, ray after ray, branch after branch.
 struct Batch<'a> {
     of: &'a LightTracer,
-    batch: u64,
+    tracer: &'a Tracer<'a>,
+    /// Groups that are still to be sent, and the flux of each, W.
     groups: u64,
-    n_groups: u64,
-    tally: &'a mut Tally,
+    flux: f64,
+    draws: Draws,
+    group: Group,
+    /// The ray of the group that comes next.
+    next: usize,
+    /// The ray or branch under way, while it `goes_on`.
+    ray: Ray,
+    goes_on: bool,
+    /// Flux below which it splits no further, W.
+    faint: f64,
+    /// Those that wait until it has ended.
+    branches: Vec<Ray>,
+    tally: Tally,
 }
 
-impl Work for Batch<'_> {
+impl Batch<'_> {
+    /// Follows one ray to its next meeting; whether there was one to follow.
+    #[inline(always)]
+    fn advance(&mut self) -> bool {
+        if !self.goes_on && !self.start() {
+            return false;
+        }
+        let Batch { ray, faint, branches, draws, tally, .. } = self;
+        self.goes_on = self.tracer.step(ray, *faint, branches, draws, tally);
+        if self.goes_on {
+            return true;
+        }
+        if let Some(branch) = self.branches.pop() {
+            (self.ray, self.goes_on) = (branch, true);
+        } else if self.next == self.group.rays.len() {
+            self.tally.settle();
+        }
+        true
+    }
+
+    /// Starts on the next ray; whether there is one.
+    #[inline(always)]
+    fn start(&mut self) -> bool {
+        let Batch { of, group, draws, tally, .. } = self;
+        if self.next == group.rays.len() {
+            if self.groups == 0 {
+                return false;
+            }
+            of.pick(draws).send(&of.room, self.flux, draws, group);
+            (self.groups, self.next) = (self.groups - 1, 0);
+        }
+        self.ray = group.rays[self.next];
+        self.next += 1;
+        self.faint = self.ray.flux() * FAINT;
+        tally.rays += 1;
+        tally.emitted += self.ray.flux();
+        true
+    }
+}
+
+/// Batches that take turns, as a function that can be compiled for any instruction set.
+struct SideBySide<'a, 'b>(&'a mut [Batch<'b>]);
+
+impl Work for SideBySide<'_, '_> {
     type Output = ();
 
     #[inline(always)]
     fn run<R: Registers>(self, _: R) {
-        let Batch { of, batch, groups, n_groups, tally } = self;
-        let mut draws = Draws::new(of.root.with(batch));
-        let tracer = Tracer::new(&of.room, &of.landings, &of.settings);
-        let (mut group, mut branches) = (Group::default(), Vec::new());
-        let flux = of.source_power / n_groups as f64;
-        for _ in 0..groups {
-            of.pick(&mut draws).send(&of.room, flux, &mut draws, &mut group);
-            for ray in &group.rays {
-                tracer.follow(ray, &mut branches, &mut draws, tally);
+        let mut any = true;
+        while any {
+            any = false;
+            for batch in &mut *self.0 {
+                any |= batch.advance();
             }
-            tally.settle();
         }
     }
 }
