@@ -150,6 +150,11 @@ pub(super) fn topology(sources: &[Seen]) -> u64 {
     hasher.finish()
 }
 
+/// What a point sees of all sources together.
+pub(super) fn region(sources: &[Seen]) -> Region {
+    Region::of(sources.iter().map(|seen| seen.sight))
+}
+
 /// Whether all outlines of the sources are seen, and something before one of them: a closed ring of it is left.
 pub(super) fn is_annular(sources: &[Seen]) -> bool {
     sources.iter().all(|seen| seen.sight == Sight::Whole || seen.is_ring) && sources.iter().any(|seen| seen.is_ring)
@@ -194,12 +199,14 @@ impl Oracle {
 
     /// Every source as a point sees it.
     pub(super) fn seen(&self, point: &MeasurementPoint) -> Vec<Seen> {
-        (0..self.sources.len())
-            .map(|i| {
-                let seen = self.of_body(BodyAt::Source(i), point);
-                Seen { light: self.light_of_texture(i, point, &seen, textured::PRECISE), ..seen }
-            })
-            .collect()
+        let with_light =
+            |(i, seen)| Seen { light: self.light_of_texture(i, point, &seen, textured::PRECISE), ..seen };
+        self.shapes_seen(point).into_iter().enumerate().map(with_light).collect()
+    }
+
+    /// Every source as a point sees it, but for what a textured one brings: for who asks only what hides it.
+    pub(super) fn shapes_seen(&self, point: &MeasurementPoint) -> Vec<Seen> {
+        (0..self.sources.len()).map(|i| self.of_body(BodyAt::Source(i), point)).collect()
     }
 
     pub(super) fn together(&self, sources: &[Seen]) -> Truth {
@@ -222,7 +229,7 @@ impl Oracle {
             unoccluded_irradiance: Irradiance::new(unoccluded),
             form_factor: FormFactor::new(form_factor),
             bound: Irradiance::new(bound),
-            region: Region::of(sources.iter().map(|seen| seen.sight)),
+            region: region(sources),
             method,
             shadow_edge,
         }

@@ -70,8 +70,8 @@ impl Search<'_> {
     }
 
     fn phase_at(&self, point: &MeasurementPoint) -> Option<Phase> {
-        let seen = self.oracle.seen(point);
-        match self.oracle.together(&seen).region {
+        let seen = self.oracle.shapes_seen(point);
+        match exact::region(&seen) {
             Region::Edge => None,
             Region::BelowHorizon => Some(Phase::BelowHorizon),
             Region::Umbra => Some(Phase::Umbra),
