@@ -52,7 +52,8 @@ struct Spot {
 /// How cells are integrated.
 pub(super) struct Cells<'a, F> {
     pub field: &'a Field<'a>,
-    pub contribution: F,
+    /// Of one place to several integrands, which share the cells.
+    pub contributions: F,
     /// Halvings of the first cell after which strata are asked for: no cell above this level is taken whole.
     pub finest: u32,
     /// Halvings down to which a cell on an edge is cut.
@@ -88,12 +89,18 @@ const GAUSS_4: [(f64, f64); 4] = [
     (0.930_568_155_797_026_3, 0.173_927_422_568_726_93),
 ];
 
-impl<F: Fn(&Landing) -> Contribution> Cells<'_, F> {
-    /// The moments over a cell: of what is brought from there, its weight the probability to land there unblocked.
+impl<F: Fn(&Landing) -> [Contribution; N], const N: usize> Cells<'_, F> {
+    /// The moments of each integrand over a cell: of what is brought from there, its weight the probability to land there
+    /// unblocked.
     ///
     /// - `level`: halvings that led to it
     /// - `visit`: told (level, area, moments) of every cell down to the finest level, a cell after its quarters
-    pub fn moments(&self, cell: Cell, level: u32, visit: &mut impl FnMut(u32, f64, &SampleMoments)) -> SampleMoments {
+    pub fn moments(
+        &self,
+        cell: Cell,
+        level: u32,
+        visit: &mut impl FnMut(u32, f64, &[SampleMoments; N]),
+    ) -> [SampleMoments; N] {
         let corners = CORNERS.map(|(s, t)| self.spot(cell.at(s, t)));
         self.part(cell, corners.each_ref(), level, f64::INFINITY, visit)
     }
@@ -116,8 +123,8 @@ impl<F: Fn(&Landing) -> Contribution> Cells<'_, F> {
         corners: [&Spot; 4],
         level: u32,
         above: f64,
-        visit: &mut impl FnMut(u32, f64, &SampleMoments),
-    ) -> SampleMoments {
+        visit: &mut impl FnMut(u32, f64, &[SampleMoments; N]),
+    ) -> [SampleMoments; N] {
         let moments = self.found(cell, corners, level, above, visit);
         if level <= self.finest {
             visit(level, cell.area(), &moments);
@@ -131,8 +138,8 @@ impl<F: Fn(&Landing) -> Contribution> Cells<'_, F> {
         corners: [&Spot; 4],
         level: u32,
         above: f64,
-        visit: &mut impl FnMut(u32, f64, &SampleMoments),
-    ) -> SampleMoments {
+        visit: &mut impl FnMut(u32, f64, &[SampleMoments; N]),
+    ) -> [SampleMoments; N] {
         let middle = self.spot(cell.at(0.5, 0.5));
         let margin = self.margin(&middle);
         let distances = corners.map(|corner| corner.direction.distance(middle.direction));
@@ -142,7 +149,7 @@ impl<F: Fn(&Landing) -> Contribution> Cells<'_, F> {
         let may_end = level >= SMOOTH_LEVEL.max(self.finest);
         if margin.abs() > reach {
             if margin < 0.0 && may_end {
-                return SampleMoments::SHADOW;
+                return [SampleMoments::SHADOW; N];
             }
             let sets = |corner: &&&Spot| corner.landing.cos_receiver * corner.landing.cos_source > 0.0;
             let lit = corners.iter().filter(sets).count();
@@ -159,9 +166,11 @@ impl<F: Fn(&Landing) -> Contribution> Cells<'_, F> {
         } else if level >= self.edge_level.max(self.finest + EDGE_BELOW) && (reach <= WIDEST || is_torn) {
             let margins = corners.map(|corner| self.margin(corner));
             let landing = Landing { exitance: self.field.exitance_at(&middle.place), ..middle.landing };
-            let Contribution { value, density } = (self.contribution)(&landing);
-            let weight = density * cell.area() * seen_share(margin, margins);
-            return SampleMoments { has_shadow: true, ..SampleMoments::point(value, weight) };
+            let share = seen_share(margin, margins);
+            return (self.contributions)(&landing).map(|Contribution { value, density }| {
+                let weight = density * cell.area() * share;
+                SampleMoments { has_shadow: true, ..SampleMoments::point(value, weight) }
+            });
         }
         self.quarters(cell, corners, &middle, &mut |quarter, corners| {
             self.part(quarter, corners, level + 1, reach, visit)
@@ -174,30 +183,33 @@ impl<F: Fn(&Landing) -> Contribution> Cells<'_, F> {
         cell: Cell,
         corners: [&Spot; 4],
         middle: &Spot,
-        part: &mut dyn FnMut(Cell, [&Spot; 4]) -> SampleMoments,
-    ) -> SampleMoments {
+        part: &mut dyn FnMut(Cell, [&Spot; 4]) -> [SampleMoments; N],
+    ) -> [SampleMoments; N] {
         let ([u0, u1], [v0, v1], (u, v)) = (cell.u, cell.v, (middle.u, middle.v));
-        let [bottom, right, top, left] = [(u, v0), (u1, v), (u, v1), (u0, v)].map(|place| self.spot(place));
+        let (bottom, right) = (self.spot((u, v0)), self.spot((u1, v)));
+        let (top, left) = (self.spot((u, v1)), self.spot((u0, v)));
         // `[v][u]`.
         let grid = [[corners[0], &bottom, corners[1]], [&left, middle, &right], [corners[3], &top, corners[2]]];
-        let mut sum = SampleMoments::default();
+        let mut sums = [SampleMoments::default(); N];
         for (k, quarter) in cell.quarters().into_iter().enumerate() {
             let known = [(0, 0), (0, 1), (1, 1), (1, 0)].map(|(j, i)| grid[k / 2 + j][k % 2 + i]);
-            // Where the sides of a cell are rounded, the same place may have other digits.
-            let own: [Option<Spot>; 4] = std::array::from_fn(|c| {
-                let (s, t) = CORNERS[c];
-                let place = quarter.at(s, t);
-                ((known[c].u, known[c].v) != place).then(|| self.spot(place))
-            });
-            let corners = std::array::from_fn(|c| own[c].as_ref().unwrap_or(known[c]));
-            sum = sum.plus(part(quarter, corners));
+            let places = CORNERS.map(|(s, t)| quarter.at(s, t));
+            let is_known = |c: usize| (known[c].u, known[c].v) == places[c];
+            let parts = if (0..4).all(is_known) {
+                part(quarter, known)
+            } else {
+                // Where the sides of a cell are rounded, the same place may have other digits.
+                let own: [Option<Spot>; 4] = std::array::from_fn(|c| (!is_known(c)).then(|| self.spot(places[c])));
+                part(quarter, std::array::from_fn(|c| own[c].as_ref().unwrap_or(known[c])))
+            };
+            sums = std::array::from_fn(|i| sums[i].plus(parts[i]));
         }
-        sum
+        sums
     }
 
     /// A small cell in which the exitance jumps, along one line as far as the cell tells: on each of a few lines across that,
     /// what is on either side of the jump by its length.
-    fn parted(&self, cell: Cell) -> SampleMoments {
+    fn parted(&self, cell: Cell) -> [SampleMoments; N] {
         let exitance = |s: f64, t: f64| {
             let (u, v) = cell.at(s, t);
             self.field.exitance_at(&self.field.place(u, v))
@@ -212,7 +224,7 @@ impl<F: Fn(&Landing) -> Contribution> Cells<'_, F> {
             let (s, t) = place(along, line);
             exitance(s, t)
         };
-        let mut values: SmallVec<[(f64, f64); 6]> = SmallVec::new();
+        let mut values: [SmallVec<[(f64, f64); 6]>; N] = std::array::from_fn(|_| SmallVec::new());
         for (line, weight) in GAUSS_3 {
             let (mut before, mut after) = (low, high);
             let first = value(before, line);
@@ -231,27 +243,29 @@ impl<F: Fn(&Landing) -> Contribution> Cells<'_, F> {
                     let (s, t) = place(0.5 * (from + to), line);
                     let (u, v) = cell.at(s, t);
                     let (_, landing) = self.field.at(u, v);
-                    let Contribution { value, density } = (self.contribution)(&landing);
-                    values.push((value, density * cell.area() * weight * (to - from)));
+                    for (values, brought) in values.iter_mut().zip((self.contributions)(&landing)) {
+                        values.push((brought.value, brought.density * cell.area() * weight * (to - from)));
+                    }
                 }
             }
         }
-        SampleMoments::of(&values)
+        values.each_ref().map(|values| SampleMoments::of(values))
     }
 
     /// A product rule over a cell without an edge.
-    fn ruled(&self, cell: Cell, rule: &[(f64, f64)]) -> SampleMoments {
+    fn ruled(&self, cell: Cell, rule: &[(f64, f64)]) -> [SampleMoments; N] {
         let area = cell.area();
-        let mut values: SmallVec<[(f64, f64); 16]> = SmallVec::new();
+        let mut values: [SmallVec<[(f64, f64); 16]>; N] = std::array::from_fn(|_| SmallVec::new());
         for (s, weight_s) in rule {
             for (t, weight_t) in rule {
                 let (u, v) = cell.at(*s, *t);
                 let (_, landing) = self.field.at(u, v);
-                let Contribution { value, density } = (self.contribution)(&landing);
-                values.push((value, density * area * weight_s * weight_t));
+                for (values, brought) in values.iter_mut().zip((self.contributions)(&landing)) {
+                    values.push((brought.value, brought.density * area * weight_s * weight_t));
+                }
             }
         }
-        SampleMoments::of(&values)
+        values.each_ref().map(|values| SampleMoments::of(values))
     }
 }
 

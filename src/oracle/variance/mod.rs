@@ -94,12 +94,10 @@ impl Oracle {
         }
         EDGE_LEVELS.into_iter().find_map(|edge_level| {
             // The mean by area comes along, as a check: it is known.
-            let by_area = Cells { field: &field, contribution: Contribution::by_area, finest: 0, edge_level };
-            if !agrees(by_area.moments(Cell::WHOLE, 0, &mut |_, _, _| {}).first_moment(), due) {
-                return None;
-            }
-            let cells = Cells { field: &field, contribution: &contribution, finest: 0, edge_level };
-            Some(cells.moments(Cell::WHOLE, 0, &mut |_, _, _| {}))
+            let contributions = |landing: &Landing| [Contribution::by_area(landing), contribution(landing)];
+            let cells = Cells { field: &field, contributions, finest: 0, edge_level };
+            let [by_area, moments] = cells.moments(Cell::WHOLE, 0, &mut |_, _, _| {});
+            agrees(by_area.first_moment(), due).then_some(moments)
         })
     }
 
@@ -131,8 +129,8 @@ impl Oracle {
             return Some(SampleMoments::SHADOW);
         }
         EDGE_LEVELS.into_iter().find_map(|edge_level| {
-            let cells = Cells { field: &field, contribution: Contribution::by_area, finest: 0, edge_level };
-            let moments = cells.moments(Cell::WHOLE, 0, &mut |_, _, _| {});
+            let cells = Cells { field: &field, contributions: by_area, finest: 0, edge_level };
+            let [moments] = cells.moments(Cell::WHOLE, 0, &mut |_, _, _| {});
             agrees(moments.first_moment(), due).then_some(moments)
         })
     }
@@ -178,8 +176,8 @@ fn strata_of(
     let level_of =
         |n: u64| (n.is_power_of_two() && n.trailing_zeros().is_multiple_of(2)).then(|| n.trailing_zeros() / 2);
     if let Some(finest) = counts.iter().filter_map(|n| level_of(*n)).max() {
-        let cells = Cells { field, contribution: Contribution::by_area, finest, edge_level };
-        let whole = cells.moments(Cell::WHOLE, 0, &mut |level, area, moments: &SampleMoments| {
+        let cells = Cells { field, contributions: by_area, finest, edge_level };
+        let [whole] = cells.moments(Cell::WHOLE, 0, &mut |level, area, [moments]| {
             for (spread, n) in spreads.iter_mut().zip(counts) {
                 if level_of(*n) == Some(level) {
                     *spread = spread.plus(of_stratum(*moments, area, *n));
@@ -195,11 +193,11 @@ fn strata_of(
             continue;
         }
         let level = (*n as f64).log(4.0).floor() as u32;
-        let cells = Cells { field, contribution: Contribution::by_area, finest: level, edge_level };
+        let cells = Cells { field, contributions: by_area, finest: level, edge_level };
         let mut mean = 0.0;
         for [u0, u1, v0, v1] in strata(*n) {
             let cell = Cell { u: [u0, u1], v: [v0, v1] };
-            let moments = cells.moments(cell, level, &mut |_, _, _| {});
+            let [moments] = cells.moments(cell, level, &mut |_, _, _| {});
             mean += moments.first_moment();
             *spread = spread.plus(of_stratum(moments, cell.area(), *n));
         }
@@ -208,6 +206,11 @@ fn strata_of(
         }
     }
     Some(spreads)
+}
+
+/// The one integrand of what is drawn by area alone.
+fn by_area(landing: &Landing) -> [Contribution; 1] {
+    [Contribution::by_area(landing)]
 }
 
 /// Whether a mean found on cells is the one that is due.
