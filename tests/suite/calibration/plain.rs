@@ -289,7 +289,7 @@ impl Plain {
         }
         let r = ray.length();
         let (mut arriving, mut leaving) = (point.normal().dot(ray) / r, -normal.dot(ray) / r);
-        let to_centre = middle(shape) - point.position();
+        let to_centre = || middle(shape) - point.position();
         let mut r2 = r * r;
         match self.slip {
             Slip::NoReceiverCosine if arriving > 0.0 => arriving = 1.0,
@@ -297,8 +297,8 @@ impl Plain {
             Slip::SourceShinesBackwards => leaving = leaving.abs(),
             Slip::ReceiverFeelsBothSides => arriving = arriving.abs(),
             Slip::InverseDistance => r2 = r,
-            Slip::DistanceToCentre => r2 = to_centre.length_squared(),
-            Slip::CosineAtCentre => leaving = -normal.dot(to_centre) / to_centre.length(),
+            Slip::DistanceToCentre => r2 = to_centre().length_squared(),
+            Slip::CosineAtCentre => leaving = -normal.dot(to_centre()) / to_centre().length(),
             Slip::AreaDensityAsSolidAngle if leaving > 0.0 => (leaving, r2) = (1.0, 1.0),
             Slip::TurnedNormal => leaving = -leaving,
             _ => {}
@@ -318,13 +318,13 @@ impl Plain {
         let ray = at - from;
         let others = self.configuration.sources().iter().enumerate().filter(|(other, _)| *other != source);
         let blockers = others.map(|(_, source)| source.shape()).chain(self.configuration.occluders());
-        let length = ray.length();
+        let length = || ray.length();
         blockers.into_iter().any(|shape| {
             self.crossings(shape, from, ray).into_iter().flatten().filter(|t| 0.0 < *t && *t < 1.0).any(
                 |t| match self.slip {
-                    Slip::StartsLate(metres) => t * length > metres,
-                    Slip::EndsEarly(metres) => (1.0 - t) * length > metres,
-                    Slip::BlindBeyond(metres) => t * length < metres,
+                    Slip::StartsLate(metres) => t * length() > metres,
+                    Slip::EndsEarly(metres) => (1.0 - t) * length() > metres,
+                    Slip::BlindBeyond(metres) => t * length() < metres,
                     Slip::CullsBackFaces => flat_normal(shape).is_none_or(|normal| normal.dot(ray) < 0.0),
                     _ => true,
                 },
@@ -342,9 +342,9 @@ impl Plain {
         match shape {
             Shape::Disk(s) => {
                 let (t, offset) = plane(s.center(), s.normal());
-                let frame = Frame::around(s.normal());
                 let inside = match self.slip {
                     Slip::OccluderAsSquare => {
+                        let frame = Frame::around(s.normal());
                         offset.dot(frame.tangent).abs().max(offset.dot(frame.bitangent).abs()) < s.radius()
                     }
                     _ => offset.length() < s.radius(),
