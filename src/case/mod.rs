@@ -25,6 +25,8 @@
 mod camera;
 mod error;
 mod folder;
+#[cfg(feature = "cli")]
+mod json_schema;
 mod measure;
 pub mod obj;
 mod optics;
@@ -51,6 +53,8 @@ use crate::eye::Camera;
 use crate::light::LightSettings;
 
 pub use error::{CaseError, CaseErrors, MeshFileFault, Mistake};
+#[cfg(feature = "cli")]
+pub use json_schema::json_schema;
 pub use place::Place;
 pub use render::Ink;
 pub use select::{SelectError, Unmatched, select};
@@ -58,6 +62,10 @@ pub use shipped::{Shipped, shipped, shipped_caustics, shipped_direct, shipped_in
 #[cfg(feature = "cli")]
 pub(crate) use spelling::nearest;
 pub use study::{Accepted, PROPERTIES, Replicates, SmallestBias, Study};
+
+/// A commented case file to start from.
+#[cfg(feature = "cli")]
+pub(crate) const TEMPLATE: &str = include_str!("../../assets/new-case.toml");
 
 /// One case, valid by construction.
 #[derive(Clone, Debug, PartialEq)]

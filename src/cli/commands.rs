@@ -6,7 +6,7 @@ use std::path::Path;
 use super::exit;
 use super::explain;
 use super::guests;
-use super::options::{Calibrate, Check, Exact, Explain, Growth, List, Plan, Run};
+use super::options::{Calibrate, Check, Exact, Explain, Format, Growth, List, Plan, Run};
 use super::progress::{Bar, RunBar};
 use crate::calibration;
 use crate::case::{self, Case, Ink, SelectError};
@@ -69,7 +69,18 @@ fn run_to_end(options: &Run) -> Result<u8, u8> {
     }
     report::write(&options.out, &outcome, &ReportOptions { generator: GENERATOR, plots: !options.no_plots })
         .map_err(|error| fault(exit::OUTPUT, error))?;
-    conclude(&outcome, Some(&options.out), options.quiet, options.allow_undecided)
+    if let Some(path) = &options.junit {
+        let text = report::verdicts_junit(&outcome, options.allow_undecided);
+        std::fs::write(path, text)
+            .map_err(|error| fault(exit::OUTPUT, format!("cannot write {}: {error}", path.display())))?;
+    }
+    let folder = options.out.to_string_lossy();
+    match options.format {
+        Format::Text => return conclude(&outcome, Some(&options.out), options.quiet, options.allow_undecided),
+        Format::Json => print(&report::verdicts_json(&outcome, Some(&folder)))?,
+        Format::Jsonl => print(&report::verdicts_json_lines(&outcome, Some(&folder)))?,
+    }
+    Ok(code(&outcome, options.allow_undecided))
 }
 
 /// The verdicts on stdout, and the code that they come to.
@@ -82,15 +93,20 @@ pub(super) fn conclude(
     let styled = anstream::AutoStream::choice(&std::io::stdout()) != anstream::ColorChoice::Never;
     let layout = TableOptions { styled, width: terminal_width(), report, quiet };
     print(&report::table(outcome, &layout))?;
+    Ok(code(outcome, allow_undecided))
+}
+
+/// What the verdicts come to.
+fn code(outcome: &trial::RunOutcome, allow_undecided: bool) -> u8 {
     let verdicts = || outcome.cases.iter().flat_map(|case| case.verdicts().map(|(_, judged)| judged));
     let any = |verdict| verdicts().any(|judged| judged.verdict == verdict);
-    Ok(if any(Verdict::Fail) {
+    if any(Verdict::Fail) {
         exit::FAILED
     } else if any(Verdict::Undecided) && !allow_undecided {
         exit::UNDECIDED
     } else {
         exit::PASSED
-    })
+    }
 }
 
 pub(super) fn set_threads(threads: Option<u16>) -> Result<(), u8> {
@@ -172,7 +188,7 @@ pub fn list(options: &List) -> u8 {
 }
 
 fn list_to_end(options: &List) -> Result<(), u8> {
-    let cases = select(&[])?;
+    let cases = select(&options.cases)?;
     if options.json {
         let cases: Vec<_> = cases
             .iter()

@@ -1,9 +1,12 @@
 //! The command line: words in, an exit code out. No arithmetic.
 
 mod commands;
+mod compare;
 mod explain;
 mod guests;
+mod help;
 mod images;
+mod new;
 mod options;
 mod progress;
 #[cfg(feature = "plots")]
@@ -25,7 +28,7 @@ mod exit {
     pub const UNDECIDED: u8 = 3;
     /// Nothing was selected.
     pub const NOTHING: u8 = 4;
-    /// An output could not be written, or an image not read.
+    /// An output could not be written, or an image or a report not read.
     pub const OUTPUT: u8 = 5;
     /// A fault of this program.
     pub const BUG: u8 = 70;
@@ -42,12 +45,17 @@ pub fn main() -> ExitCode {
         Some(options::Command::Plan(plan)) => commands::plan(&plan),
         Some(options::Command::Growth(growth)) => commands::growth(&growth),
         Some(options::Command::Explain(explain)) => commands::explain(&explain),
+        Some(options::Command::Compare(compare)) => compare::compare(&compare),
         Some(options::Command::Judge(judge)) => guests::judge(&judge),
         Some(options::Command::Verify(verify)) => guests::verify(&verify),
         Some(options::Command::Export(export)) => images::export(&export),
         Some(options::Command::Points(points)) => guests::points(&points),
         #[cfg(feature = "plots")]
         Some(options::Command::Render(render)) => render::render(&render),
+        Some(options::Command::New(new)) => new::new(&new),
+        Some(options::Command::Completions(completions)) => help::completions(&completions),
+        Some(options::Command::Schema) => help::schema(),
+        Some(options::Command::Man(man)) => help::man(&man),
         Some(options::Command::Run(run)) => commands::run(&run),
         None => commands::run(&options.run),
     };

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::calibration;
 use crate::case::{Replicates, SmallestBias};
@@ -19,7 +19,7 @@ Exit codes:
   2   the command line is wrong, or a case or a file that it names
   3   none failed but some are undecided (0 under --allow-undecided)
   4   nothing selected
-  5   an output could not be written, or an image not read
+  5   an output could not be written, or an image or a report not read
   70  a bug of ours";
 
 /// Measures Monte Carlo estimators of area-source lighting against exact values, and judges them.
@@ -53,6 +53,9 @@ pub enum Command {
     Plan(Plan),
     /// How cost grows with samples, occluders, triangles, points and light rays: timed, plotted, fitted
     Growth(Growth),
+    /// Two reports: which verdicts changed, and where estimates vary more or less
+    #[command(after_help = super::compare::COMPARE_HELP)]
+    Compare(super::compare::Compare),
     /// Judge a program in any language: points on its standard input, estimates from its standard output
     #[command(after_help = super::guests::JUDGE_HELP)]
     Judge(super::guests::JudgeOptions),
@@ -70,6 +73,50 @@ pub enum Command {
     Render(Render),
     /// A verdict, a strategy, a case or a word of the reports: what it means, and what it does not say
     Explain(Explain),
+    /// A commented case file to start from
+    New(New),
+    /// The JSON schema of case files, for editors, to standard output
+    #[command(after_help = SCHEMA_HELP)]
+    Schema,
+    /// Completions for a shell, to standard output
+    #[command(after_help = COMPLETIONS_HELP)]
+    Completions(Completions),
+    /// The manual page of a command, to standard output
+    #[command(after_help = "Example: etendue man > etendue.1; etendue man run | man -l -")]
+    Man(Man),
+}
+
+const SCHEMA_HELP: &str = "\
+Editors that read TOML by a schema (Taplo, Even Better TOML) complete keys and mark mistakes where a case begins with
+
+  #:schema ./etendue.schema.json
+
+and `etendue schema > etendue.schema.json` was said beside it.";
+
+const COMPLETIONS_HELP: &str = "\
+Examples:
+  etendue completions bash > ~/.local/share/bash-completion/completions/etendue
+  etendue completions zsh > ~/.zfunc/_etendue
+  etendue completions fish > ~/.config/fish/completions/etendue.fish";
+
+#[derive(Args, Debug)]
+pub struct New {
+    /// Name of the case: `NAME.toml` is written, and the folders before it; a file that is there stays as it is
+    #[arg(value_name = "NAME")]
+    pub name: PathBuf,
+}
+
+#[derive(Args, Debug)]
+pub struct Completions {
+    #[arg(value_enum)]
+    pub shell: clap_complete::Shell,
+}
+
+#[derive(Args, Debug)]
+pub struct Man {
+    /// Which command (default: the whole)
+    #[arg(value_name = "COMMAND")]
+    pub command: Option<String>,
 }
 
 /// Which cases, and how hard to look: what moves numbers.
@@ -122,9 +169,26 @@ pub struct Run {
     /// Write tables only
     #[arg(long)]
     pub no_plots: bool,
+    /// How the verdicts are told on standard output
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    pub format: Format,
+    /// Write the verdicts as JUnit, too
+    #[arg(long, value_name = "FILE")]
+    pub junit: Option<PathBuf>,
     /// File of point sets, as a strategy `points:NAME`; alone, unless --strategy names others beside it
     #[arg(long, value_name = "FILE")]
     pub points: Vec<PathBuf>,
+}
+
+/// How verdicts are told.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// A table for a terminal
+    Text,
+    /// One object
+    Json,
+    /// One object a line: each verdict, then a summary
+    Jsonl,
 }
 
 impl Work {
@@ -221,6 +285,9 @@ pub struct Explain {
 
 #[derive(Args, Debug)]
 pub struct List {
+    /// Names (whole, a part, or a pattern) of shipped cases, files or folders; none: all shipped cases
+    #[arg(value_name = "CASE")]
+    pub cases: Vec<String>,
     /// Machine-readable
     #[arg(long)]
     pub json: bool,

@@ -22,6 +22,16 @@ pub enum ReportError {
     /// A table cannot be written to its destination (standard output, say).
     #[error("cannot write {table}: {source}")]
     Table { table: &'static str, source: io::Error },
+    /// A folder holds no report, or not all of one.
+    #[error("{path} holds no report of etendue: {}", missing.as_ref().map_or("there is no such folder".to_owned(),
+        |file| format!("{file} is missing")))]
+    NoReport { path: PathBuf, missing: Option<String> },
+    /// A file of a report cannot be read.
+    #[error("cannot read {path}: {source}")]
+    Unreadable { path: PathBuf, source: io::Error },
+    /// A file of a report says what cannot be.
+    #[error("{path}, line {line}: {reason}")]
+    NotOurs { path: PathBuf, line: u64, reason: String },
     /// A plot cannot be drawn.
     #[error("cannot draw {path}: {reason}")]
     Plot { path: PathBuf, reason: String },

@@ -5,6 +5,8 @@
 //! - [`write_calibration`] does the same for a calibration of the gate, [`write_growth`] for how cost grows;
 //! - `write_pictures` and `write_lecture` write rendered pictures (feature `plots`);
 //! - [`table`] tells the verdicts on a terminal; [`write_exact`] prints exact values, [`write_limits`] shadow limits;
+//! - [`verdicts_json`], [`verdicts_json_lines`] and `verdicts_junit` (feature `cli`) tell them to programs;
+//! - [`read`] reads a report back; [`comparison_text`] tells what changed between two;
 //! - [`write_images`] and [`images_table`] tell what came of images of other renderers; [`write_files`] writes a scene for one.
 //!
 //! The meaning of every column is in `reports/README.md`, which [`column_reference`] writes. Everything but
@@ -12,6 +14,7 @@
 
 mod calibration;
 mod column;
+mod comparison;
 mod converge;
 mod error;
 mod exact;
@@ -23,13 +26,17 @@ mod growth;
 #[cfg(feature = "plots")]
 mod image;
 mod images;
+#[cfg(feature = "cli")]
+mod junit;
 mod light;
 mod limits;
+mod machine;
 mod manifest;
 mod page;
 mod paths;
 #[cfg(feature = "plots")]
 mod plot;
+mod read;
 #[cfg(feature = "plots")]
 mod render;
 mod tables;
@@ -46,6 +53,7 @@ use std::path::{Path, PathBuf};
 use crate::trial::RunOutcome;
 
 pub use calibration::{calibration_reference, calibration_table, claim_calibration, write_calibration};
+pub use comparison::{ComparisonFormat, comparison_text};
 pub use converge::{convergence_table, write_convergence};
 pub use error::ReportError;
 pub use exact::{ExactCase, write_exact};
@@ -53,7 +61,11 @@ pub use folder::claim;
 pub use forecast::forecast_table;
 pub use growth::{claim_growth, growth_table, write_growth};
 pub use images::{claim_images, images_table, write_files, write_images};
+#[cfg(feature = "cli")]
+pub use junit::verdicts_junit;
 pub use limits::{LimitsCase, write_limits};
+pub use machine::{verdicts_json, verdicts_json_lines};
+pub use read::read;
 #[cfg(feature = "plots")]
 pub use render::{
     CasePictures, WrittenPicture, claim_pictures, listed, pictures_table, write_lecture, write_pictures,

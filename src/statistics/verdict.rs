@@ -22,6 +22,11 @@ impl Verdict {
             Verdict::Undecided => "undecided",
         }
     }
+
+    /// The verdict that reports call so.
+    pub fn from_name(name: &str) -> Option<Verdict> {
+        [Verdict::Pass, Verdict::Fail, Verdict::Undecided].into_iter().find(|verdict| verdict.name() == name)
+    }
 }
 
 impl fmt::Display for Verdict {

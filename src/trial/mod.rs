@@ -6,6 +6,8 @@
 
 mod accept;
 #[cfg(feature = "studies")]
+mod compare;
+#[cfg(feature = "studies")]
 mod converge;
 mod correlation;
 #[cfg(feature = "studies")]
@@ -51,6 +53,10 @@ mod spread;
 #[cfg_attr(not(feature = "studies"), path = "points_by_area.rs")]
 mod techniques;
 
+#[cfg(feature = "studies")]
+pub use compare::{
+    Comparison, Pairing, Record, RecordedVariance, RecordedVerdict, VarianceChange, VerdictChange, compare,
+};
 #[cfg(feature = "studies")]
 pub use converge::{ConvergenceOutcome, ConvergenceTerms, Level, NoConvergence, judge_convergence};
 #[cfg(feature = "studies")]

@@ -7,6 +7,7 @@ mod certified;
 mod closed_forms;
 #[cfg(feature = "cli")]
 mod command_line;
+mod compare;
 mod convergence;
 mod determinism;
 mod estimator_laws;
@@ -21,6 +22,7 @@ mod interreflections;
 mod judge;
 mod laws;
 mod light;
+mod machine_output;
 mod meshes;
 #[cfg(all(feature = "cli", unix))]
 mod mitsuba;
