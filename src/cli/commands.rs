@@ -3,10 +3,12 @@
 use std::io::{IsTerminal, Write};
 use std::path::Path;
 
+use clap::CommandFactory;
+
 use super::exit;
 use super::explain;
 use super::guests;
-use super::options::{Calibrate, Check, Exact, Explain, Format, Growth, List, Plan, Run};
+use super::options::{Calibrate, Check, Exact, Explain, Format, Growth, List, Options, Plan, Run, Telling};
 use super::progress::{Bar, RunBar};
 use crate::calibration;
 use crate::case::{self, Case, Ink, SelectError};
@@ -25,12 +27,29 @@ pub(super) const GENERATOR: &str = "8 lanes of xoshiro256++, sample i in lane i 
 pub(super) fn select(selectors: &[String]) -> Result<Vec<Case>, u8> {
     case::select(selectors).map_err(|error| {
         let ink = if coloured() { Ink::Coloured } else { Ink::Plain };
-        anstream::eprintln!("{}", error.render(ink));
-        match error {
-            SelectError::Nothing { .. } => exit::NOTHING,
-            _ => exit::USAGE,
+        match &error {
+            SelectError::Nothing { unmatched } => {
+                for one in unmatched {
+                    fault(exit::NOTHING, one);
+                    if let Some(command) = command_meant(&one.selector) {
+                        anstream::eprintln!("  tip: `{command}` is a command: etendue {command} --help");
+                    }
+                }
+                exit::NOTHING
+            }
+            SelectError::Faulty { .. } => {
+                anstream::eprintln!("{}", error.render(ink));
+                exit::USAGE
+            }
+            SelectError::SameName { .. } => fault(exit::USAGE, &error),
         }
     })
+}
+
+/// The command that somebody may have meant who named no case: where no command is said, cases are.
+fn command_meant(said: &str) -> Option<String> {
+    let known = Options::command();
+    case::nearest(said, known.get_subcommands().map(clap::Command::get_name)).map(str::to_owned)
 }
 
 fn coloured() -> bool {
@@ -69,30 +88,31 @@ fn run_to_end(options: &Run) -> Result<u8, u8> {
     }
     report::write(&options.out, &outcome, &ReportOptions { generator: GENERATOR, plots: !options.no_plots })
         .map_err(|error| fault(exit::OUTPUT, error))?;
-    if let Some(path) = &options.junit {
-        let text = report::verdicts_junit(&outcome, options.allow_undecided);
-        std::fs::write(path, text)
-            .map_err(|error| fault(exit::OUTPUT, format!("cannot write {}: {error}", path.display())))?;
-    }
-    let folder = options.out.to_string_lossy();
-    match options.format {
-        Format::Text => return conclude(&outcome, Some(&options.out), options.quiet, options.allow_undecided),
-        Format::Json => print(&report::verdicts_json(&outcome, Some(&folder)))?,
-        Format::Jsonl => print(&report::verdicts_json_lines(&outcome, Some(&folder)))?,
-    }
-    Ok(code(&outcome, options.allow_undecided))
+    conclude(&outcome, &options.out, &options.telling, options.quiet, options.allow_undecided)
 }
 
-/// The verdicts on stdout, and the code that they come to.
+/// The verdicts on stdout, and wherever else they are to be told; and the code that they come to.
 pub(super) fn conclude(
     outcome: &trial::RunOutcome,
-    report: Option<&Path>,
+    out: &Path,
+    telling: &Telling,
     quiet: bool,
     allow_undecided: bool,
 ) -> Result<u8, u8> {
-    let styled = anstream::AutoStream::choice(&std::io::stdout()) != anstream::ColorChoice::Never;
-    let layout = TableOptions { styled, width: terminal_width(), report, quiet };
-    print(&report::table(outcome, &layout))?;
+    if let Some(path) = &telling.junit {
+        std::fs::write(path, report::verdicts_junit(outcome, allow_undecided))
+            .map_err(|error| fault(exit::OUTPUT, format!("cannot write {}: {error}", path.display())))?;
+    }
+    let folder = out.to_string_lossy();
+    match telling.format {
+        Format::Text => {
+            let styled = anstream::AutoStream::choice(&std::io::stdout()) != anstream::ColorChoice::Never;
+            let layout = TableOptions { styled, width: terminal_width(), report: Some(out), quiet };
+            print(&report::table(outcome, &layout))?;
+        }
+        Format::Json => print(&report::verdicts_json(outcome, Some(&folder)))?,
+        Format::Jsonl => print(&report::verdicts_json_lines(outcome, Some(&folder)))?,
+    }
     Ok(code(outcome, allow_undecided))
 }
 

@@ -94,6 +94,8 @@ pub struct JudgeOptions {
     #[arg(long, conflicts_with_all = ["program", "variance"])]
     ask: bool,
     #[command(flatten)]
+    telling: options::Telling,
+    #[command(flatten)]
     terms: Terms,
 }
 
@@ -238,7 +240,7 @@ fn judge_to_end(options: &JudgeOptions) -> Result<u8, u8> {
     let outcome = RunOutcome { seed: settings.seed, command: reproduce, cases: vec![outcome] };
     report::write(out, &outcome, &ReportOptions { generator: GENERATOR, plots: true })
         .map_err(|error| fault(exit::OUTPUT, error))?;
-    conclude(&outcome, Some(out), false, terms.allow_undecided)
+    conclude(&outcome, out, &options.telling, false, terms.allow_undecided)
 }
 
 pub fn verify(options: &VerifyOptions) -> u8 {
@@ -269,7 +271,7 @@ fn verify_to_end(options: &VerifyOptions) -> Result<u8, u8> {
     let outcome = RunOutcome { seed: settings.seed, command: reproduce, cases: vec![outcome] };
     report::write(out, &outcome, &ReportOptions { generator: GENERATOR, plots: true })
         .map_err(|error| fault(exit::OUTPUT, error))?;
-    conclude(&outcome, Some(out), false, terms.allow_undecided)
+    conclude(&outcome, out, &options::Telling::default(), false, terms.allow_undecided)
 }
 
 fn converging(

@@ -5,14 +5,19 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::calibration;
-use crate::case::{Replicates, SmallestBias};
+use crate::case::{Replicates, SmallestBias, nearest};
 use crate::oracle::Parameter;
 use crate::sampling::Strategy;
 #[cfg(feature = "plots")]
 use crate::trial::PictureSettings;
 use crate::trial::{Effort, Overrides, Settings};
 
-pub(super) const EXIT_CODES: &str = "\
+/// The exit codes of what judges, with more before them.
+macro_rules! exit_codes {
+    ($examples:literal) => {
+        concat!(
+            $examples,
+            "\
 Exit codes:
   0   every verdict passed
   1   a verdict failed
@@ -20,13 +25,84 @@ Exit codes:
   3   none failed but some are undecided (0 under --allow-undecided)
   4   nothing selected
   5   an output could not be written, or an image or a report not read
-  70  a bug of ours";
+  70  a bug of ours"
+        )
+    };
+}
+
+const WHOLE_HELP: &str = exit_codes!(
+    "\
+Examples:
+  etendue                                  # every shipped case, judged: half a minute on two cores
+  etendue run my-room.toml                 # a case of your own
+  etendue exact my-room.toml > exact.csv   # what the irradiance is, with bounds
+  etendue judge penumbra/eclipse -- ./my-sampler
+  etendue explain verdict
+
+"
+);
+
+const RUN_HELP: &str = exit_codes!(
+    "\
+Examples:
+  etendue run eclipse --quick              # a part of a name selects
+  etendue run 'direct/*' --strategy random,stratified --samples 16,64,256
+  etendue run my-room.toml --smallest-bias 0.001,0.01 --out fine
+  etendue run my-room.toml --format json | jq '.verdicts[] | select(.verdict != \"pass\")'
+  etendue run --points halton.csv penumbra/eclipse
+
+"
+);
+
+#[cfg(feature = "plots")]
+const RENDER_HELP: &str = exit_codes!(
+    "\
+Examples:
+  etendue render penumbra/eclipse --strategy correlated --samples 4
+  etendue render --lecture --out figures
+
+"
+);
+
+const LIST_HELP: &str = "\
+Examples:
+  etendue list penumbra
+  etendue list --json | jq -r '.cases[].name'";
+
+const CHECK_HELP: &str = "\
+Examples:
+  etendue check my-room.toml
+  etendue check rooms/                     # every case in a folder
+
+Exit codes: 0, or 2 with every mistake at its place.";
+
+const EXACT_HELP: &str = "\
+Examples:
+  etendue exact penumbra/eclipse
+  etendue exact penumbra/eclipse --limits
+  etendue exact my-room.toml --derivative source.0.radius,occluder.0.center.x";
+
+const PLAN_HELP: &str = "\
+Examples:
+  etendue plan my-room.toml --smallest-bias 0.001
+  etendue plan --thorough --json";
+
+const EXPLAIN_HELP: &str = "\
+Examples:
+  etendue explain                          # what there is
+  etendue explain stratified
+  etendue explain penumbra/eclipse";
+
+const POINTS_HELP: &str = "\
+Examples:
+  etendue points stratified -n 64 --sets 1000 > stratified.csv
+  etendue run penumbra/eclipse --points stratified.csv";
 
 /// Measures Monte Carlo estimators of area-source lighting against exact values, and judges them.
 ///
 /// Without a command, `run` is meant: every shipped case is measured, judged and reported.
 #[derive(Debug, Parser)]
-#[command(version, after_help = EXIT_CODES, args_conflicts_with_subcommands = true)]
+#[command(version, after_help = WHOLE_HELP, args_conflicts_with_subcommands = true)]
 pub struct Options {
     #[command(subcommand)]
     pub command: Option<Command>,
@@ -37,19 +113,22 @@ pub struct Options {
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Measure, judge, and write tables and plots (the default)
-    #[command(after_help = EXIT_CODES)]
+    #[command(after_help = RUN_HELP)]
     Run(Run),
     /// The shipped cases and the strategies
+    #[command(after_help = LIST_HELP)]
     List(List),
     /// Read cases and report every mistake in them
-    #[command(arg_required_else_help = true)]
+    #[command(arg_required_else_help = true, after_help = CHECK_HELP)]
     Check(Check),
     /// Exact values at the measured points, as CSV
+    #[command(after_help = EXACT_HELP)]
     Exact(Exact),
     /// Measure the gate itself: false alarms, coverage of intervals, power (minutes)
     #[command(after_help = "Exit codes: 0, or 1 where a figure misses its bar for certain.")]
     Calibrate(Calibrate),
     /// What a run would cost and could see, before it is spent
+    #[command(after_help = PLAN_HELP)]
     Plan(Plan),
     /// How cost grows with samples, occluders, triangles, points and light rays: timed, plotted, fitted
     Growth(Growth),
@@ -66,12 +145,14 @@ pub enum Command {
     #[command(after_help = super::images::EXPORT_HELP)]
     Export(super::images::ExportOptions),
     /// Write a strategy's points in the unit square, as `run --points` reads them
+    #[command(after_help = POINTS_HELP)]
     Points(super::guests::PointsOptions),
     /// Pictures of cases: by their cameras, and of their receivers beside what is exact there
     #[cfg(feature = "plots")]
-    #[command(after_help = EXIT_CODES)]
+    #[command(after_help = RENDER_HELP)]
     Render(Render),
     /// A verdict, a strategy, a case or a word of the reports: what it means, and what it does not say
+    #[command(after_help = EXPLAIN_HELP)]
     Explain(Explain),
     /// A commented case file to start from
     New(New),
@@ -169,21 +250,29 @@ pub struct Run {
     /// Write tables only
     #[arg(long)]
     pub no_plots: bool,
+    #[command(flatten)]
+    pub telling: Telling,
+    /// File of point sets, as a strategy `points:NAME`; alone, unless --strategy names others beside it
+    #[arg(long, value_name = "FILE")]
+    pub points: Vec<PathBuf>,
+}
+
+/// How verdicts are told, and to whom.
+#[derive(Args, Debug, Default)]
+pub struct Telling {
     /// How the verdicts are told on standard output
     #[arg(long, value_enum, default_value_t = Format::Text)]
     pub format: Format,
     /// Write the verdicts as JUnit, too
     #[arg(long, value_name = "FILE")]
     pub junit: Option<PathBuf>,
-    /// File of point sets, as a strategy `points:NAME`; alone, unless --strategy names others beside it
-    #[arg(long, value_name = "FILE")]
-    pub points: Vec<PathBuf>,
 }
 
-/// How verdicts are told.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+/// What verdicts look like on standard output.
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
 pub enum Format {
     /// A table for a terminal
+    #[default]
     Text,
     /// One object
     Json,
@@ -342,8 +431,11 @@ impl Calibrate {
 }
 
 pub(super) fn strategy(name: &str) -> Result<Strategy, String> {
-    let known = || Strategy::ALL.map(Strategy::name).join(", ");
-    Strategy::from_name(name).ok_or_else(|| format!("no such strategy; there are {}", known()))
+    Strategy::from_name(name).ok_or_else(|| {
+        let known = Strategy::ALL.map(Strategy::name);
+        let meant = nearest(name, known).map_or(String::new(), |meant| format!(" (did you mean {meant}?)"));
+        format!("no such strategy{meant}; there are {}", known.join(", "))
+    })
 }
 
 #[cfg(feature = "plots")]

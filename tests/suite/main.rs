@@ -38,3 +38,4 @@ mod shipped_cases;
 mod techniques;
 mod walls;
 mod witness;
+mod words;

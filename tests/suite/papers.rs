@@ -64,6 +64,65 @@ fn the_readme_gives_the_two_commands() {
     assert_eq!(blocks(rest, "sh").next(), Some("cargo run --release\ncargo test\n"));
 }
 
+/// A command of the README, in a folder of its own, with our binary and the examples where it looks for them.
+#[cfg(unix)]
+fn tried(command: &str, input: &str) -> (Option<i32>, String, tempfile::TempDir) {
+    use std::io::Write;
+    use std::process::{Command, Stdio};
+    let folder = tempfile::tempdir().unwrap();
+    std::os::unix::fs::symlink(root().join("examples"), folder.path().join("examples")).unwrap();
+    let binary = Path::new(env!("CARGO_BIN_EXE_etendue")).parent().unwrap();
+    let path = format!("{}:{}", binary.display(), std::env::var("PATH").unwrap_or_default());
+    let mut child = Command::new("bash")
+        .args(["-c", command])
+        .current_dir(folder.path())
+        .env("PATH", path)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .expect("bash");
+    child.stdin.take().unwrap().write_all(input.as_bytes()).unwrap();
+    let output = child.wait_with_output().unwrap();
+    (output.status.code(), String::from_utf8(output.stdout).unwrap(), folder)
+}
+
+#[cfg(unix)]
+fn has_python() -> bool {
+    std::process::Command::new("python3").arg("--version").output().is_ok()
+}
+
+#[cfg(unix)]
+#[test]
+fn the_python_of_the_readme_reads_verdicts() {
+    if !has_python() {
+        return;
+    }
+    let readme = paper("README.md");
+    let snippet = blocks(&readme, "python").find(|block| block.contains("--format")).expect("it reads JSON");
+    let (code, told, _) = tried("python3 -", snippet);
+    assert_eq!(code, Some(0));
+    assert_eq!(told.lines().filter(|line| line.starts_with("stratified ")).count(), 3, "{told}");
+    assert!(told.lines().all(|line| line.contains(" pass ") && line.ends_with(" %")), "{told}");
+}
+
+#[cfg(unix)]
+#[test]
+fn the_workflow_of_the_readme_runs_as_written() {
+    if !has_python() {
+        return;
+    }
+    let readme = paper("README.md");
+    let workflow = blocks(&readme, "yaml").next().expect("there is a workflow");
+    let steps: Vec<&str> = workflow.lines().filter_map(|line| line.trim().strip_prefix("- run: ")).collect();
+    let [install, judge] = steps[..] else { panic!("{steps:?}") };
+    assert_eq!(install, "cargo install --locked etendue");
+    let (code, told, folder) = tried(judge, "");
+    assert_eq!(code, Some(0), "{told}");
+    let junit = fs::read_to_string(folder.path().join("light.xml")).unwrap();
+    assert!(junit.contains("program:python3 bias") && junit.contains("failures=\"0\""), "{junit}");
+    assert!(folder.path().join("light/verdicts.csv").exists());
+}
+
 #[test]
 fn the_architecture_names_every_room() {
     let text = paper("ARCHITECTURE.md");
