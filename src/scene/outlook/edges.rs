@@ -12,6 +12,8 @@ use crate::scene::Hierarchy;
 
 /// A point looks for the silhouette when it is to send one ray for so many triangles.
 const TRIANGLES_A_RAY: u64 = 8;
+/// Fewer rays than this are traced sooner than a silhouette is drawn, of whatever mesh.
+const FEWEST_RAYS: u64 = 2048;
 /// Triangles whose edges are joined at once.
 const AT_ONCE: usize = 1 << 18;
 
@@ -32,7 +34,7 @@ impl Outlines {
         target: &Target,
         rays: u64,
     ) -> Option<Outlook> {
-        if rays.saturating_mul(TRIANGLES_A_RAY) < hierarchy.faces().len() as u64 {
+        if rays < FEWEST_RAYS || rays.saturating_mul(TRIANGLES_A_RAY) < hierarchy.faces().len() as u64 {
             return None;
         }
         self.0.get_or_init(|| Edges::new(hierarchy)).as_ref()?.seen(hierarchy, machine, from, target)

@@ -197,10 +197,14 @@ fn what_is_not_wholly_between_gives_no_outlook() {
     assert!(look(&loose(&mut draws, 40), from, shape).1.is_none(), "a mesh of rims");
 }
 
+fn outlines_of(hierarchy: &Hierarchy, target: &Target, rays: u64) -> bool {
+    Outlines::default().seen(hierarchy, Machine::Any, DVec3::ZERO, target, rays).is_some()
+}
+
 #[test]
 fn few_rays_look_for_nothing() {
     let shape = &sources()[0];
-    let hierarchy = Hierarchy::new(&dented_ball(40), (DVec3::splat(-4.0), DVec3::splat(4.0)));
+    let hierarchy = Hierarchy::new(&dented_ball(200), (DVec3::splat(-4.0), DVec3::splat(4.0)));
     let hull = shape.hull();
     let target = Target::new(&hull, normal(shape), DVec3::ZERO).unwrap();
     let outlines = Outlines::default();
@@ -208,6 +212,11 @@ fn few_rays_look_for_nothing() {
     let triangles = hierarchy.faces().len() as u64;
     assert!(!looks(triangles / 8 - 1));
     assert!(looks(triangles / 8 + 1));
+    // Of a mesh of few triangles, too.
+    let plate = Mesh::new(vec![DVec3::Z, DVec3::X + DVec3::Z, DVec3::Y + DVec3::Z], vec![[0, 1, 2]]).unwrap();
+    let hierarchy = Hierarchy::new(&plate, (DVec3::splat(-4.0), DVec3::splat(4.0)));
+    let looks = |rays| outlines_of(&hierarchy, &target, rays);
+    assert!(!looks(100) && looks(10_000));
 }
 
 #[test]
