@@ -166,7 +166,8 @@ impl Place<'_> {
                 if !job.strategy.shares_points() {
                     self.scatter::<N>(job.strategy, keys, p as u64 + 1, squares, places);
                 }
-                self.emitter.illuminate(self.machine, point, places, &[], N * count, shading);
+                let outlooks = self.emitter.between.outlooks(self.machine, point.position(), (N * count) as u64);
+                self.emitter.illuminate(self.machine, point, places, &outlooks, N * count, shading);
                 if job.strategy.shares_points() {
                     self.emitter.weigh_by(self.machine, exitances, N * count, shading);
                 } else {
@@ -300,6 +301,8 @@ mod tests {
                 for (r, together) in together.iter().enumerate() {
                     let mut alone = [0.0];
                     let one = Job { replicates: 3 + r as u64..4 + r as u64, ..all.clone() };
+                    // An estimator of its own, which has sent too few rays to know anything yet.
+                    let estimator = super::super::for_technique(&room, strategy.technique());
                     estimator.estimate(&one, &mut Scratch::default(), &mut alone);
                     assert_eq!(alone[0].to_bits(), together.to_bits(), "{strategy} replicate {r}");
                 }
