@@ -11,7 +11,7 @@
 
 use std::num::NonZero;
 
-use super::between::Outlooks;
+use super::between::VisibilityMaps;
 use super::emitter::{Block, Emitter, Scratch, add_lanes, emitters};
 use super::{Estimator, Job};
 use crate::configuration::Configuration;
@@ -87,7 +87,7 @@ impl Place<'_> {
         let Scratch { squares, places, shading, .. } = scratch;
         let rays = job.samples * self.stride as u64;
         for (p, point) in job.points.iter().enumerate() {
-            let outlooks = self.emitter.between.outlooks(self.machine, point.position(), rays);
+            let visibilities = self.emitter.between.visibilities(self.machine, point.position(), rays);
             for (r, replicate) in job.replicates.clone().enumerate() {
                 let mut pattern = self.pattern(job, replicate, p as u64 + 1);
                 let mut sum = [0.0; LANES];
@@ -96,7 +96,7 @@ impl Place<'_> {
                     let len = left.min(BLOCK as u64) as usize;
                     pattern.fill_on(self.machine, squares, len);
                     self.emitter.place(self.machine, squares, len, places);
-                    let block = Block { places, exitances: None, outlooks: &outlooks, len, shading };
+                    let block = Block { places, exitances: None, visibilities: &visibilities, len, shading };
                     self.emitter.gather(self.machine, point, block, &mut sum);
                     left -= len as u64;
                 }
@@ -109,10 +109,10 @@ impl Place<'_> {
     fn shared(&self, job: &Job, scratch: &mut Scratch, estimates: &mut [f64]) {
         let Scratch { squares, places, exitances, shading, sums, .. } = scratch;
         let rays = job.samples * self.stride as u64;
-        let outlooks: Vec<Outlooks> = job
+        let visibilities: Vec<VisibilityMaps> = job
             .points
             .iter()
-            .map(|point| self.emitter.between.outlooks(self.machine, point.position(), rays))
+            .map(|point| self.emitter.between.visibilities(self.machine, point.position(), rays))
             .collect();
         for (r, replicate) in job.replicates.clone().enumerate() {
             let mut pattern = self.pattern(job, replicate, 0);
@@ -124,8 +124,8 @@ impl Place<'_> {
                 pattern.fill_on(self.machine, squares, len);
                 self.emitter.place(self.machine, squares, len, places);
                 self.emitter.read(places, len, exitances);
-                for ((point, outlooks), sum) in job.points.iter().zip(&outlooks).zip(sums.iter_mut()) {
-                    let block = Block { places, exitances: Some(exitances), outlooks, len, shading };
+                for ((point, visibilities), sum) in job.points.iter().zip(&visibilities).zip(sums.iter_mut()) {
+                    let block = Block { places, exitances: Some(exitances), visibilities, len, shading };
                     self.emitter.gather(self.machine, point, block, sum);
                 }
                 left -= len as u64;
@@ -166,8 +166,9 @@ impl Place<'_> {
                 if !job.strategy.shares_points() {
                     self.scatter::<N>(job.strategy, keys, p as u64 + 1, squares, places);
                 }
-                let outlooks = self.emitter.between.outlooks(self.machine, point.position(), (N * count) as u64);
-                self.emitter.illuminate(self.machine, point, places, &outlooks, N * count, shading);
+                let visibilities =
+                    self.emitter.between.visibilities(self.machine, point.position(), (N * count) as u64);
+                self.emitter.illuminate(self.machine, point, places, &visibilities, N * count, shading);
                 if job.strategy.shares_points() {
                     self.emitter.weigh_by(self.machine, exitances, N * count, shading);
                 } else {

@@ -7,79 +7,71 @@ use glam::DVec3;
 
 use crate::configuration::Source;
 use crate::number::Machine;
-use crate::scene::{Blocker, Outlook, Surroundings, Target};
+use crate::scene::{Blocker, Surroundings, Target, VisibilityMap};
 
 /// What can come between a source and its shading points.
 pub(super) struct Between {
     pub(super) blockers: Vec<Arc<Blocker>>,
     has_meshes: bool,
-    /// Points whose hull holds the source, metres.
-    hull: Vec<DVec3>,
-    /// Of a flat source.
-    normal: Option<DVec3>,
+    target: Target,
     /// By the point's coordinates, as bits: every strategy and every count of samples comes back to it.
     known: Mutex<HashMap<[u64; 3], Known>>,
 }
 
 /// What is known of a point.
-#[derive(Default)]
 struct Known {
     /// That have been sent from it, or are about to be.
     rays: u64,
-    outlooks: Option<Outlooks>,
+    maps: VisibilityMaps,
 }
 
 /// What is known of a source's blockers before any ray is sent from a point: nothing, or an entry for each.
-pub(super) type Outlooks = Arc<[Option<Outlook>]>;
+pub(super) type VisibilityMaps = Vec<Option<Arc<VisibilityMap>>>;
 
-/// Points that are remembered; about 1.2 kB each, of those that a mesh stands before.
+/// Points that are remembered; each takes about 1.2 kB for each mesh that stands before the source.
 const REMEMBERED: usize = 4096;
 
 impl Between {
     /// - `own`: which of the sources `source` is
-    /// - `normal`: of a flat source
-    pub(super) fn new(surroundings: &Surroundings, own: usize, source: &Source, normal: Option<DVec3>) -> Between {
+    pub(super) fn new(surroundings: &Surroundings, own: usize, source: &Source) -> Between {
         let blockers = surroundings.before(own);
         let has_meshes = blockers.iter().any(|blocker| blocker.is_mesh());
-        Between { blockers, has_meshes, hull: source.shape().hull(), normal, known: Mutex::default() }
+        Between { blockers, has_meshes, target: Target::new(source.shape()), known: Mutex::default() }
     }
 
     pub(super) fn has_meshes(&self) -> bool {
         self.has_meshes
     }
 
-    /// What is known of the blockers before any ray is sent from a point: found when so many have been sent from it that
-    /// finding it will have been worth its while.
+    /// What is known of the blockers before any ray is sent from a point: of each mesh, once so many have been sent from it
+    /// that finding out will have been worth its while.
     ///
     /// - `rays`: how many are to follow
-    pub(super) fn outlooks(&self, machine: Machine, from: DVec3, rays: u64) -> Outlooks {
+    pub(super) fn visibilities(&self, machine: Machine, from: DVec3, rays: u64) -> VisibilityMaps {
         if !self.has_meshes {
-            return Outlooks::default();
+            return VisibilityMaps::new();
         }
         let place = from.to_array().map(f64::to_bits);
-        let rays = {
+        let (rays, mut maps) = {
             let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+            let nothing = || vec![None; self.blockers.len()];
             if known.len() >= REMEMBERED && !known.contains_key(&place) {
-                rays
+                (rays, nothing())
             } else {
-                let known = known.entry(place).or_default();
-                if let Some(outlooks) = &known.outlooks {
-                    return outlooks.clone();
-                }
-                known.rays += rays;
-                known.rays
+                let known = known.entry(place).or_insert_with(|| Known { rays: 0, maps: nothing() });
+                known.rays = known.rays.saturating_add(rays);
+                (known.rays, known.maps.clone())
             }
         };
-        let Some(target) = Target::new(&self.hull, self.normal, from) else { return Outlooks::default() };
-        let outlook = |blocker: &Arc<Blocker>| blocker.outlook(machine, from, &target, rays);
-        let outlooks: Outlooks = self.blockers.iter().map(outlook).collect();
-        if outlooks.iter().any(Option::is_some) {
-            let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
-            if let Some(known) = known.get_mut(&place) {
-                known.outlooks = Some(outlooks.clone());
-            }
+        let mut finds = false;
+        for (map, blocker) in maps.iter_mut().zip(&self.blockers).filter(|(map, _)| map.is_none()) {
+            *map = blocker.visibility(machine, from, &self.target, rays).map(Arc::new);
+            finds |= map.is_some();
         }
-        outlooks
+        if finds && let Some(known) = self.known.lock().unwrap_or_else(PoisonError::into_inner).get_mut(&place) {
+            known.maps.clone_from(&maps);
+        }
+        maps
     }
 }
 
@@ -98,14 +90,14 @@ mod tests {
         let mesh = Shape::Mesh(Mesh::new(corners, vec![[0, 1, 2]]).unwrap());
         let point = MeasurementPoint::new(DVec3::ZERO, DVec3::Z).unwrap();
         let room = Configuration::new(vec![source], vec![mesh], None, vec![point], Arrangement::Scattered).unwrap();
-        let between = Between::new(&Surroundings::new(&room), 0, &room.sources()[0], Some(-DVec3::Z));
-        let looks = |x: f64, rays| between.outlooks(Machine::Any, DVec3::X * x, rays)[0].is_some();
+        let between = Between::new(&Surroundings::new(&room), 0, &room.sources()[0]);
+        let looks = |x: f64, rays| between.visibilities(Machine::Any, DVec3::X * x, rays)[0].is_some();
         assert!(!looks(0.0, 1000) && !looks(0.0, 1000));
         assert!(!looks(0.1, 1000), "another point has sent nothing yet");
         assert!(looks(0.0, 1000), "3000 rays by now");
         assert!(looks(0.0, 1), "and it is known from there on");
-        let first = between.outlooks(Machine::Any, DVec3::ZERO, 1);
-        assert!(Arc::ptr_eq(&first, &between.outlooks(Machine::Any, DVec3::ZERO, 1)));
+        let found = || between.visibilities(Machine::Any, DVec3::ZERO, 1).remove(0).unwrap();
+        assert!(Arc::ptr_eq(&found(), &found()));
         // Beyond what is remembered, each call counts for itself.
         for k in 0..REMEMBERED {
             looks(1.0 + k as f64 * 1e-4, 1);

@@ -10,7 +10,7 @@ use super::between::Between;
 use crate::configuration::{Configuration, MeasurementPoint, Source};
 use crate::number::{Eight, Lanewise, Machine, Registers, Work};
 use crate::sampling::{BLOCK, LANES, Row, Squares, StreamKey, Surface, SurfaceBlock, groups};
-use crate::scene::{Displacement, Help, Outlook, ShadowCache, ShadowRays, Stop, Surroundings};
+use crate::scene::{Displacement, Help, ShadowCache, ShadowRays, Stop, Surroundings, VisibilityMap};
 use crate::texture::Texture;
 
 /// A source, and what can come between it and a shading point.
@@ -65,7 +65,7 @@ pub(super) struct Block<'a> {
     pub(super) places: &'a SurfaceBlock,
     pub(super) exitances: Option<&'a Exitances>,
     /// From the point that is to gather.
-    pub(super) outlooks: &'a [Option<Outlook>],
+    pub(super) visibilities: &'a [Option<Arc<VisibilityMap>>],
     pub(super) len: usize,
     pub(super) shading: &'a mut Shading,
 }
@@ -77,7 +77,7 @@ pub(super) fn emitters(configuration: &Configuration, surroundings: &Surrounding
         Emitter {
             strength: surface.area() * uniform_exitance(source) / PI,
             texture: source.texture().cloned(),
-            between: Between::new(surroundings, own, source, surface.flat_normal()),
+            between: Between::new(surroundings, own, source),
             surface,
         }
     });
@@ -150,7 +150,7 @@ impl Emitter {
         machine: Machine,
         point: &MeasurementPoint,
         places: &SurfaceBlock,
-        outlooks: &[Option<Outlook>],
+        visibilities: &[Option<Arc<VisibilityMap>>],
         len: usize,
         shading: &mut Shading,
     ) {
@@ -162,7 +162,7 @@ impl Emitter {
         caches.resize_with(caches.len().max(self.between.blockers.len()), ShadowCache::default);
         let blockers = self.between.blockers.iter().zip(caches).enumerate();
         for (k, (blocker, cache)) in blockers.filter(|(_, (blocker, _))| blocker.is_mesh()) {
-            let help = Help { cache: Some(cache), outlook: outlooks.get(k).and_then(Option::as_ref) };
+            let help = Help { cache: Some(cache), visibility: visibilities.get(k).and_then(Option::as_deref) };
             blocker.shade_on(machine, point.position(), rays, len, contributions, help);
         }
     }
@@ -172,14 +172,14 @@ impl Emitter {
     ///
     /// - `exitances`: of the block's places, where [`Emitter::read`] found them
     pub(super) fn gather(&self, machine: Machine, point: &MeasurementPoint, block: Block, sum: &mut [f64; LANES]) {
-        let Block { places, exitances, outlooks, len, shading } = block;
+        let Block { places, exitances, visibilities, len, shading } = block;
         if self.texture.is_none() && !self.between.has_meshes() {
             let mut stops = SmallVec::<[Stop; 2]>::new();
             self.stops(point, &mut stops);
             machine.run(Gathered { emitter: self, point, places, len, stops: &stops, sum });
             return;
         }
-        self.illuminate(machine, point, places, outlooks, len, shading);
+        self.illuminate(machine, point, places, visibilities, len, shading);
         match exitances {
             Some(exitances) => self.weigh_by(machine, exitances, len, shading),
             None => self.weigh(places, len, shading),

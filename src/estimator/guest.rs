@@ -5,6 +5,7 @@
 
 use std::sync::Mutex;
 
+use super::between::VisibilityMaps;
 use super::emitter::{Emitter, Shading, add_lanes, emitters};
 use super::{Estimator, Job, Scratch};
 use crate::configuration::{Configuration, MeasurementPoint};
@@ -220,9 +221,13 @@ impl Estimator for GuestPoints<'_> {
         let mut points = vec![[0.0; 2]; job.samples as usize];
         let (mut squares, mut places, mut shading) =
             (Squares::default(), SurfaceBlock::default(), Shading::default());
+        let rays = job.samples * replicates as u64;
         for (p, row) in estimates.chunks_exact_mut(replicates.max(1)).enumerate() {
+            let from = job.points[p].position();
+            let known = self.emitters.iter().map(|emitter| emitter.between.visibilities(machine, from, rays));
+            let known: Vec<VisibilityMaps> = known.collect();
             for (replicate, estimate) in job.replicates.clone().zip(row) {
-                for (source, emitter) in self.emitters.iter().enumerate() {
+                for (source, (emitter, visibilities)) in self.emitters.iter().zip(&known).enumerate() {
                     self.fill(job, replicate, p, source, &mut points);
                     let mut sum = [0.0; LANES];
                     for block in points.chunks(BLOCK) {
@@ -231,7 +236,7 @@ impl Estimator for GuestPoints<'_> {
                             (*u, *v) = (point[0], point[1]);
                         }
                         emitter.place(machine, &squares, block.len(), &mut places);
-                        emitter.illuminate(machine, &job.points[p], &places, &[], block.len(), &mut shading);
+                        emitter.illuminate(machine, &job.points[p], &places, visibilities, block.len(), &mut shading);
                         emitter.weigh(&places, block.len(), &mut shading);
                         for k in 0..block.len() {
                             sum[k % LANES] += shading.contribution(k / LANES, k % LANES);

@@ -14,6 +14,7 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
+use super::between::VisibilityMaps;
 use super::draws::{hemisphere_key, mean, source_key};
 use super::emitter::{Emitter, Shading, emitters, uniform_exitance};
 use super::{Estimator, Job, Scratch};
@@ -75,6 +76,10 @@ struct Estimate<'a, 'b> {
 /// Working memory for a block.
 #[derive(Default)]
 struct Scratchpad {
+    /// Of each source, from the point under way.
+    visibilities: Vec<VisibilityMaps>,
+    /// Which source is under way.
+    source: usize,
     places: SurfaceBlock,
     shading: Shading,
     directions: DirectionBlock,
@@ -93,9 +98,16 @@ impl Work for Estimate<'_, '_> {
             return;
         }
         let (mut squares, mut work) = (Squares::default(), Scratchpad::default());
+        let rays = job.samples * replicates as u64;
         for (p, (point, row)) in job.points.iter().zip(estimates.chunks_exact_mut(replicates)).enumerate() {
+            work.visibilities.clear();
+            for source in &estimator.sources {
+                let between = &source.emitter.between;
+                work.visibilities.push(between.visibilities(estimator.machine, point.position(), rays));
+            }
             for (replicate, estimate) in job.replicates.clone().zip(row.iter_mut()) {
                 for (index, source) in estimator.sources.iter().enumerate() {
+                    work.source = index;
                     let key = source_key(job, replicate, p, index);
                     *estimate += source.exitance
                         * mean(job, key, &mut squares, |squares, len, brought| {
@@ -124,7 +136,8 @@ impl Source {
     ) {
         let MixtureEstimator { heuristic, machine, .. } = *estimator;
         self.emitter.place(machine, squares, len, &mut work.places);
-        self.emitter.illuminate(machine, point, &work.places, &[], len, &mut work.shading);
+        let visibilities = &work.visibilities[work.source];
+        self.emitter.illuminate(machine, point, &work.places, visibilities, len, &mut work.shading);
         for g in 0..groups(len) {
             for l in 0..LANES {
                 // Finite, so that the product with a weight of zero is zero.

@@ -15,7 +15,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::between::{Between, Outlooks};
+use super::between::{Between, VisibilityMaps};
 use super::draws::{mean, source_key};
 use super::emitter::uniform_exitance;
 use super::{Estimator, Job, Scratch};
@@ -48,7 +48,7 @@ impl SolidAngleEstimator {
             silhouette: Silhouette::new(source.shape()).expect("a source is no mesh"),
             radiance: uniform_exitance(source) / PI,
             texture: source.texture().cloned(),
-            between: Between::new(&surroundings, own, source, None),
+            between: Between::new(&surroundings, own, source),
         });
         SolidAngleEstimator { emitters: emitters.collect(), machine: Machine::new() }
     }
@@ -90,7 +90,7 @@ impl Work for Estimate<'_, '_> {
                     continue;
                 }
                 let rays = job.samples * replicates as u64;
-                aim.outlooks = emitter.between.outlooks(*machine, point.position(), rays);
+                aim.visibilities = emitter.between.visibilities(*machine, point.position(), rays);
                 for (replicate, estimate) in job.replicates.clone().zip(row.iter_mut()) {
                     let key = source_key(job, replicate, p, source);
                     *estimate += strength
@@ -107,7 +107,7 @@ impl Work for Estimate<'_, '_> {
 #[derive(Default)]
 struct Aim {
     view: View,
-    outlooks: Outlooks,
+    visibilities: VisibilityMaps,
     directions: DirectionBlock,
     distances: Distances,
     rays: ShadowRays,
@@ -133,7 +133,7 @@ impl Aim {
         len: usize,
         brought: &mut Row,
     ) {
-        let Aim { view, outlooks, directions, distances: Distances(distances), rays } = self;
+        let Aim { view, visibilities, directions, distances: Distances(distances), rays } = self;
         view.draw(squares, len, directions, distances);
         for (g, brought) in brought.iter_mut().enumerate().take(groups(len)) {
             for (l, brought) in brought.iter_mut().enumerate() {
@@ -146,7 +146,7 @@ impl Aim {
             }
         }
         for (k, blocker) in emitter.between.blockers.iter().enumerate() {
-            let help = Help { cache: None, outlook: outlooks.get(k).and_then(Option::as_ref) };
+            let help = Help { cache: None, visibility: visibilities.get(k).and_then(Option::as_deref) };
             blocker.shade_on(machine, point.position(), rays, len, brought, help);
         }
         if let Some(texture) = &emitter.texture {

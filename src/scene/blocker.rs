@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::outlook::{Outlines, Outlook, Target};
+use super::visibility::{SilhouetteEdges, Target, VisibilityMap};
 use super::{Hierarchy, ShadowCache};
 use crate::geometry::{Frame, Polygon, Shape};
 use crate::number::{Eight, Lanewise, Machine, Registers, Work};
@@ -60,13 +60,13 @@ pub enum Blocker {
         center: DVec3,
         radius_squared: f64,
     },
-    Mesh(Box<Obstacle>),
+    Mesh(Box<MeshBlocker>),
 }
 
 /// A mesh.
-pub struct Obstacle {
+pub struct MeshBlocker {
     hierarchy: Hierarchy,
-    outlines: Outlines,
+    edges: SilhouetteEdges,
 }
 
 /// An edge of a flat outline: it spans y in [low, high) and lies at x = at_zero + slope·y.
@@ -105,9 +105,9 @@ impl Blocker {
             }
             Shape::Polygon(s) => polygon(s),
             Shape::Sphere(s) => Blocker::Ball { center: s.center(), radius_squared: s.radius() * s.radius() },
-            Shape::Mesh(s) => Blocker::Mesh(Box::new(Obstacle {
+            Shape::Mesh(s) => Blocker::Mesh(Box::new(MeshBlocker {
                 hierarchy: Hierarchy::new(s, reach),
-                outlines: Outlines::default(),
+                edges: SilhouetteEdges::default(),
             })),
         }
     }
@@ -130,8 +130,8 @@ impl Blocker {
         help: Help,
     ) {
         match self {
-            Blocker::Mesh(mesh) => match help.outlook {
-                Some(outlook) => outlook.shade(machine, &mesh.hierarchy, from, rays, len, contributions),
+            Blocker::Mesh(mesh) => match help.visibility {
+                Some(visibility) => visibility.shade(machine, &mesh.hierarchy, from, rays, len, contributions),
                 None => mesh.hierarchy.shade(from, rays, len, contributions, help.cache),
             },
             analytic => {
@@ -168,9 +168,15 @@ impl Blocker {
     }
 
     /// Where this is known, before any ray is sent, to hide a source from a point; of a mesh, and if enough rays are to follow.
-    pub(crate) fn outlook(&self, machine: Machine, from: DVec3, target: &Target, rays: u64) -> Option<Outlook> {
+    pub(crate) fn visibility(
+        &self,
+        machine: Machine,
+        from: DVec3,
+        target: &Target,
+        rays: u64,
+    ) -> Option<VisibilityMap> {
         let Blocker::Mesh(mesh) = self else { return None };
-        mesh.outlines.seen(&mesh.hierarchy, machine, from, target, rays)
+        mesh.edges.seen(&mesh.hierarchy, machine, from, target, rays)
     }
 
     /// What [`Blocker::stop`] has no answer for.
@@ -191,7 +197,7 @@ pub(crate) struct Help<'a> {
     /// What blocked last.
     pub cache: Option<&'a mut ShadowCache>,
     /// Found by this mesh for the point that the rays start from.
-    pub outlook: Option<&'a Outlook>,
+    pub visibility: Option<&'a VisibilityMap>,
 }
 
 /// An analytic blocker as one shading point sees it.

@@ -10,10 +10,10 @@ mod first_met;
 mod halves;
 #[cfg_attr(not(feature = "fast"), path = "halves.rs")]
 mod hierarchy;
-mod outlook;
 mod segment;
 mod shadow_cache;
 mod surroundings;
+mod visibility;
 #[cfg(feature = "fast")]
 mod wide;
 
@@ -22,6 +22,6 @@ pub(crate) use blocker::{Displacement, Help, Stop};
 #[cfg(feature = "studies")]
 pub use first_met::Met;
 pub use hierarchy::Hierarchy;
-pub(crate) use outlook::{Outlook, Target};
 pub use shadow_cache::ShadowCache;
 pub use surroundings::{Surroundings, reach};
+pub(crate) use visibility::{Target, VisibilityMap};

@@ -57,7 +57,7 @@ pub(super) fn compare_hierarchies(case: &Case, seed: u64) -> Result<Vec<Timing>,
         }
         let shared = shared_rays(configuration, seed);
         timings.extend(compare_caches(case, mesh, hierarchy, &shared)?);
-        timings.extend(compare_outlooks(case, mesh, &blocker, &shared)?);
+        timings.extend(compare_visibility_maps(case, mesh, &blocker, &shared)?);
     }
     Ok(timings)
 }
@@ -149,32 +149,31 @@ fn compare_caches(
 }
 
 /// Looks for the mesh's silhouette from every point, and shades rays with what was found and without.
-fn compare_outlooks(
+fn compare_visibility_maps(
     case: &Case,
     mesh: usize,
     blocker: &Blocker,
     shared: &[Shared],
 ) -> Result<Vec<Timing>, TrialError> {
     let (machine, configuration) = (Machine::new(), &case.configuration);
+    let targets: Vec<Target> = configuration.sources().iter().map(|source| Target::new(source.shape())).collect();
     let (mut searched, mut found, mut looking, mut shading) = (0, 0, 0.0, 0.0);
     for Shared { source, point, rays } in shared {
-        let source = configuration.sources()[*source].shape();
+        let target = &targets[*source];
         let from = configuration.points()[*point].position();
-        let (hull, normal) = (source.hull(), Surface::new(source).and_then(|surface| surface.flat_normal()));
-        let Some(target) = Target::new(&hull, normal, from) else { continue };
         // The first search of all finds the edges, too.
         if searched == 0 {
-            blocker.outlook(machine, from, &target, MANY_RAYS);
+            blocker.visibility(machine, from, target, MANY_RAYS);
         }
         let start = Instant::now();
-        let outlook = blocker.outlook(machine, from, &target, MANY_RAYS);
+        let visibility = blocker.visibility(machine, from, target, MANY_RAYS);
         looking += start.elapsed().as_secs_f64();
         searched += 1;
-        let Some(outlook) = outlook else { continue };
+        let Some(visibility) = visibility else { continue };
         let (mut traced, mut carried) = (ALL_LIT, ALL_LIT);
         blocker.shade_on(machine, from, rays, BLOCK, &mut traced, Help::default());
         let start = Instant::now();
-        let help = Help { outlook: Some(&outlook), ..Help::default() };
+        let help = Help { visibility: Some(&visibility), ..Help::default() };
         blocker.shade_on(machine, from, rays, BLOCK, &mut carried, help);
         shading += start.elapsed().as_secs_f64();
         found += BLOCK as u64;

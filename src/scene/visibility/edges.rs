@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use glam::DVec3;
 
 use super::grid::{SIDE, draw};
-use super::{Outlook, SMALL, Target};
+use super::{SMALL, Target, VisibilityMap};
 use crate::number::{Eight, Machine, Registers, Work};
 use crate::sampling::LANES;
 use crate::scene::Hierarchy;
@@ -19,9 +19,9 @@ const AT_ONCE: usize = 1 << 18;
 
 /// The edges of a mesh, found when they are first asked for.
 #[derive(Default)]
-pub(in crate::scene) struct Outlines(OnceLock<Option<Edges>>);
+pub(in crate::scene) struct SilhouetteEdges(OnceLock<Option<Edges>>);
 
-impl Outlines {
+impl SilhouetteEdges {
     /// What a point sees; `None` where too few rays are to follow, and where the mesh is not wholly between the point and
     /// the source.
     ///
@@ -33,7 +33,7 @@ impl Outlines {
         from: DVec3,
         target: &Target,
         rays: u64,
-    ) -> Option<Outlook> {
+    ) -> Option<VisibilityMap> {
         if rays < FEWEST_RAYS || rays.saturating_mul(TRIANGLES_A_RAY) < hierarchy.faces().len() as u64 {
             return None;
         }
@@ -85,8 +85,8 @@ impl Edges {
         Some(Edges { planes, edges, bounds })
     }
 
-    fn seen(&self, hierarchy: &Hierarchy, machine: Machine, from: DVec3, target: &Target) -> Option<Outlook> {
-        let mut outlook = Outlook::towards(from, target, self.bounds)?;
+    fn seen(&self, hierarchy: &Hierarchy, machine: Machine, from: DVec3, target: &Target) -> Option<VisibilityMap> {
+        let mut visibility = VisibilityMap::towards(from, target, self.bounds)?;
         // For each triangle a bit if its front is seen, another if its back, none where that is in doubt or there is none.
         let mut sides = vec![[0_u8; LANES]; self.planes.len() + 1];
         let farthest = (self.bounds.1 - from).abs().max((self.bounds.0 - from).abs()).length();
@@ -96,12 +96,12 @@ impl Edges {
         let mut crossed = [0; SIDE];
         for edge in &self.edges {
             if sides[edge.sides[0] as usize] & sides[edge.sides[1] as usize] == 0 {
-                let [a, b] = edge.ends.map(|end| outlook.cell(hierarchy.vertices()[end as usize] - from));
+                let [a, b] = edge.ends.map(|end| visibility.cell(hierarchy.vertices()[end as usize] - from));
                 draw(&mut crossed, a, b);
             }
         }
-        outlook.fill(hierarchy, from, &crossed);
-        Some(outlook)
+        visibility.fill(hierarchy, from, &crossed);
+        Some(visibility)
     }
 }
 

@@ -87,26 +87,16 @@ fn on(shape: &Shape, draws: &mut Stream) -> DVec3 {
     }
 }
 
-fn normal(shape: &Shape) -> Option<DVec3> {
-    match shape {
-        Shape::Rectangle(s) => Some(s.normal()),
-        Shape::Disk(s) => Some(s.normal()),
-        Shape::Polygon(s) => Some(s.normal()),
-        _ => None,
-    }
-}
-
 /// Looks from a point past a mesh at a source, as if there were rays without end to follow.
-fn look(mesh: &Mesh, from: DVec3, shape: &Shape) -> (Hierarchy, Option<Outlook>) {
+fn look(mesh: &Mesh, from: DVec3, shape: &Shape) -> (Hierarchy, Option<VisibilityMap>) {
     let hierarchy = Hierarchy::new(mesh, (DVec3::splat(-4.0), DVec3::splat(4.0)));
-    let hull = shape.hull();
-    let target = Target::new(&hull, normal(shape), from).unwrap();
-    let outlook = Outlines::default().seen(&hierarchy, Machine::new(), from, &target, u64::MAX);
-    (hierarchy, outlook)
+    let target = Target::new(shape);
+    let visibility = SilhouetteEdges::default().seen(&hierarchy, Machine::new(), from, &target, u64::MAX);
+    (hierarchy, visibility)
 }
 
-/// Shades rays to these ends with and without the outlook; gives how many were dark, lit and traced.
-fn compare(hierarchy: &Hierarchy, outlook: &Outlook, from: DVec3, ends: &[DVec3]) -> [usize; 3] {
+/// Shades rays to these ends with and without the visibility map; gives how many were dark, lit and traced.
+fn compare(hierarchy: &Hierarchy, visibility: &VisibilityMap, from: DVec3, ends: &[DVec3]) -> [usize; 3] {
     let mut counts = [0; 3];
     for ends in ends.chunks(BLOCK) {
         let (mut rays, mut light) = (ShadowRays::default(), Row::default());
@@ -114,16 +104,16 @@ fn compare(hierarchy: &Hierarchy, outlook: &Outlook, from: DVec3, ends: &[DVec3]
             let (g, l) = (k / LANES, k % LANES);
             (rays.x[g][l], rays.y[g][l], rays.z[g][l]) = (*end - from).into();
             light[g][l] = (k % 5) as f64;
-            let [column, row] = outlook.cell(*end - from);
+            let [column, row] = visibility.cell(*end - from);
             let (column, row) = (column as usize, row as usize);
-            counts[match (outlook.dark[row] >> column & 1, outlook.lit[row] >> column & 1) {
+            counts[match (visibility.dark[row] >> column & 1, visibility.lit[row] >> column & 1) {
                 (1, 0) => 0,
                 (0, 1) => 1,
                 _ => 2,
             }] += 1;
         }
         let mut traced = light;
-        outlook.shade(Machine::new(), hierarchy, from, &rays, ends.len(), &mut light);
+        visibility.shade(Machine::new(), hierarchy, from, &rays, ends.len(), &mut light);
         hierarchy.shade(from, &rays, ends.len(), &mut traced, None);
         assert_eq!(light, traced, "from {from}");
     }
@@ -131,7 +121,7 @@ fn compare(hierarchy: &Hierarchy, outlook: &Outlook, from: DVec3, ends: &[DVec3]
 }
 
 #[test]
-fn an_outlook_changes_no_answer() {
+fn a_visibility_map_changes_no_answer() {
     let mut draws = Stream::new(StreamKey::root(31));
     let meshes = [dented_ball(40), holed_sheet(36), holed_sheet(18).subdivided(1), loose(&mut draws, 9)];
     let mut counts = [0; 3];
@@ -142,22 +132,22 @@ fn an_outlook_changes_no_answer() {
                 let reach = [1.5, 0.6, 0.3][turn % 3];
                 let height = [0.0, 0.1, 0.3][turn / 3 % 3];
                 let from = DVec3::new(draws.random_range(-reach..reach), draws.random_range(-reach..reach), height);
-                let (hierarchy, outlook) = look(mesh, from, &shape);
-                let Some(outlook) = outlook else { continue };
+                let (hierarchy, visibility) = look(mesh, from, &shape);
+                let Some(visibility) = visibility else { continue };
                 let mut ends: Vec<DVec3> = (0..1500).map(|_| on(&shape, &mut draws)).collect();
                 // Past edges of the mesh, by next to nothing and by a little: the silhouette's too.
-                if let (Shape::Rectangle(_), Some(over)) = (&shape, Some(2.2)) {
+                if let Shape::Rectangle(source) = &shape {
                     for _ in 0..1500 {
                         let [a, b, _] = mesh.corners(draws.random_range(0..mesh.triangles().len()));
                         let aside = 10.0_f64.powf(draws.random_range(-16.0..-2.0));
                         let past = a + (b - a) * draws.random::<f64>() + DVec3::new(aside, -aside, 0.0);
-                        let end = from + (past - from) * ((over - from.z) / (past.z - from.z));
+                        let end = from + (past - from) * ((source.center().z - from.z) / (past.z - from.z));
                         if (end.x - 0.1).abs() < 0.75 && (end.y + 0.1).abs() < 0.5 {
                             ends.push(end);
                         }
                     }
                 }
-                let found = compare(&hierarchy, &outlook, from, &ends);
+                let found = compare(&hierarchy, &visibility, from, &ends);
                 counts = std::array::from_fn(|k| counts[k] + found[k]);
             }
         }
@@ -173,14 +163,14 @@ fn most_of_a_penumbra_is_told_without_rays() {
     let ends: Vec<DVec3> = (0..4000).map(|_| on(shape, &mut draws)).collect();
     for mesh in [dented_ball(100), holed_sheet(60)] {
         let from = DVec3::new(0.3, 0.1, 0.0);
-        let (hierarchy, outlook) = look(&mesh, from, shape);
-        let [dark, lit, traced] = compare(&hierarchy, &outlook.unwrap(), from, &ends);
+        let (hierarchy, visibility) = look(&mesh, from, shape);
+        let [dark, lit, traced] = compare(&hierarchy, &visibility.unwrap(), from, &ends);
         assert!(dark > 400 && lit > 400 && traced < 2000, "{dark} {lit} {traced}");
     }
 }
 
 #[test]
-fn what_is_not_wholly_between_gives_no_outlook() {
+fn what_is_not_wholly_between_gives_no_visibility() {
     let shape = &sources()[0];
     let from = DVec3::new(0.1, 0.2, 0.0);
     let ball = dented_ball(12);
@@ -197,25 +187,24 @@ fn what_is_not_wholly_between_gives_no_outlook() {
     assert!(look(&loose(&mut draws, 40), from, shape).1.is_none(), "a mesh of rims");
 }
 
-fn outlines_of(hierarchy: &Hierarchy, target: &Target, rays: u64) -> bool {
-    Outlines::default().seen(hierarchy, Machine::Any, DVec3::ZERO, target, rays).is_some()
+fn looks_at_all(hierarchy: &Hierarchy, target: &Target, rays: u64) -> bool {
+    SilhouetteEdges::default().seen(hierarchy, Machine::Any, DVec3::ZERO, target, rays).is_some()
 }
 
 #[test]
 fn few_rays_look_for_nothing() {
     let shape = &sources()[0];
     let hierarchy = Hierarchy::new(&dented_ball(200), (DVec3::splat(-4.0), DVec3::splat(4.0)));
-    let hull = shape.hull();
-    let target = Target::new(&hull, normal(shape), DVec3::ZERO).unwrap();
-    let outlines = Outlines::default();
-    let looks = |rays| outlines.seen(&hierarchy, Machine::Any, DVec3::ZERO, &target, rays).is_some();
+    let target = Target::new(shape);
+    let edges = SilhouetteEdges::default();
+    let looks = |rays| edges.seen(&hierarchy, Machine::Any, DVec3::ZERO, &target, rays).is_some();
     let triangles = hierarchy.faces().len() as u64;
     assert!(!looks(triangles / 8 - 1));
     assert!(looks(triangles / 8 + 1));
     // Of a mesh of few triangles, too.
     let plate = Mesh::new(vec![DVec3::Z, DVec3::X + DVec3::Z, DVec3::Y + DVec3::Z], vec![[0, 1, 2]]).unwrap();
     let hierarchy = Hierarchy::new(&plate, (DVec3::splat(-4.0), DVec3::splat(4.0)));
-    let looks = |rays| outlines_of(&hierarchy, &target, rays);
+    let looks = |rays| looks_at_all(&hierarchy, &target, rays);
     assert!(!looks(100) && looks(10_000));
 }
 

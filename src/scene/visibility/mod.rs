@@ -15,12 +15,12 @@ mod tests;
 
 use glam::DVec3;
 
-pub(super) use edges::Outlines;
+pub(super) use edges::SilhouetteEdges;
 use grid::{Grid, SIDE, part};
 
 use super::blocker::dot;
 use super::{Hierarchy, ShadowRays};
-use crate::geometry::{Frame, box_corners};
+use crate::geometry::{Frame, Shape, box_corners};
 use crate::number::{Eight, Lanewise, Machine, Registers, Work};
 use crate::sampling::{BLOCK, LANES, Row, groups};
 
@@ -31,27 +31,40 @@ const PARTS: usize = 32;
 /// Angles, and lengths by the size of the scene, that are taken for zero: far above rounding.
 const SMALL: f64 = 1e-9;
 
-/// A source as its shading points look at it.
-pub(crate) struct Target<'a> {
-    hull: &'a [DVec3],
-    /// The normal of a flat source; towards its middle otherwise.
-    axis: DVec3,
+/// A source as what hides it must know it.
+pub(crate) struct Target {
+    /// Points whose hull holds the source, metres.
+    hull: Vec<DVec3>,
+    /// Their mean, metres.
+    middle: DVec3,
+    /// Of a flat source.
+    normal: Option<DVec3>,
 }
 
-impl<'a> Target<'a> {
-    /// `None` from the middle of a source that is not flat.
-    ///
-    /// - `hull`: points whose hull holds the source, metres
-    /// - `normal`: of a flat source
-    pub(crate) fn new(hull: &'a [DVec3], normal: Option<DVec3>, from: DVec3) -> Option<Target<'a>> {
-        let middle = hull.iter().sum::<DVec3>() / hull.len() as f64;
-        let axis = normal.or_else(|| (middle - from).try_normalize())?;
-        Some(Target { hull, axis })
+impl Target {
+    /// - `source`: any shape but a mesh
+    pub(crate) fn new(source: &Shape) -> Target {
+        let hull = source.hull();
+        let normal = match source {
+            Shape::Disk(s) => Some(s.normal()),
+            Shape::Rectangle(s) => Some(s.normal()),
+            Shape::Polygon(s) => Some(s.normal()),
+            Shape::Sphere(_) | Shape::Mesh(_) => None,
+        };
+        Target { middle: hull.iter().sum::<DVec3>() / hull.len() as f64, hull, normal }
+    }
+
+    /// Across the source, away from a point: a flat source's normal; else towards its middle, `None` from there.
+    fn away_from(&self, from: DVec3) -> Option<DVec3> {
+        match self.normal {
+            Some(normal) => Some(if normal.dot(self.middle - from) < 0.0 { -normal } else { normal }),
+            None => (self.middle - from).try_normalize(),
+        }
     }
 }
 
 /// Where a mesh is known to hide a source from one point, and where it is known not to.
-pub(crate) struct Outlook {
+pub(crate) struct VisibilityMap {
     axis: DVec3,
     /// Across, in cells at distance 1 along the axis, and the cell that the axis meets.
     right: DVec3,
@@ -64,10 +77,10 @@ pub(crate) struct Outlook {
     dark: Grid,
 }
 
-impl Outlook {
+impl VisibilityMap {
     /// Nothing known yet; `None` where something within bounds is not between the point and the source.
-    fn towards(from: DVec3, target: &Target, bounds: (DVec3, DVec3)) -> Option<Outlook> {
-        let ahead = if target.axis.dot(target.hull[0] - from) < 0.0 { -target.axis } else { target.axis };
+    fn towards(from: DVec3, target: &Target, bounds: (DVec3, DVec3)) -> Option<VisibilityMap> {
+        let ahead = target.away_from(from)?;
         let along = |p: &DVec3| (*p - from).dot(ahead);
         let source = target.hull.iter().map(along).fold(f64::INFINITY, f64::min);
         let (mut near, mut far, mut size) = (f64::INFINITY, 0.0_f64, 0.0_f64);
@@ -82,7 +95,7 @@ impl Outlook {
         }
         let frame = Frame::around(ahead);
         let (mut least, mut most) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        for point in target.hull {
+        for point in &target.hull {
             for (k, across) in [frame.tangent, frame.bitangent].into_iter().enumerate() {
                 let place = (*point - from).dot(across) / along(point);
                 (least[k], most[k]) = (least[k].min(place), most[k].max(place));
@@ -90,7 +103,7 @@ impl Outlook {
         }
         let inner = SIDE as f64 - 3.0;
         let scale = [0, 1].map(|k| inner / (most[k] - least[k]));
-        let outlook = Outlook {
+        let visibility = VisibilityMap {
             axis: ahead,
             right: frame.tangent * scale[0],
             up: frame.bitangent * scale[1],
@@ -100,7 +113,7 @@ impl Outlook {
             dark: [0; SIDE],
         };
         // Not seen from so far, or at so low an angle, that rounding would show in a cell.
-        scale.iter().all(|scale| *scale < 1e5).then_some(outlook)
+        scale.iter().all(|scale| *scale < 1e5).then_some(visibility)
     }
 
     /// Where a displacement from the point leads, in cells.
@@ -122,7 +135,7 @@ impl Outlook {
         contributions: &mut Row,
     ) {
         let (mut columns, mut rows) = (Row::default(), Row::default());
-        machine.run(Cells { outlook: self, rays, len, columns: &mut columns, rows: &mut rows });
+        machine.run(Cells { visibility: self, rays, len, columns: &mut columns, rows: &mut rows });
         let (mut doubtful, mut n_doubtful) = ([0_u8; BLOCK], 0);
         let (columns, rows) = (columns.as_flattened(), rows.as_flattened());
         let all = contributions.as_flattened_mut();
@@ -170,7 +183,7 @@ impl Outlook {
 
 /// The cells that displacements lead to: columns and rows in the lowest bits.
 struct Cells<'a> {
-    outlook: &'a Outlook,
+    visibility: &'a VisibilityMap,
     rays: &'a ShadowRays,
     len: usize,
     columns: &'a mut Row,
@@ -185,7 +198,7 @@ impl Work for Cells<'_> {
 
     #[inline(always)]
     fn run<R: Registers>(self, registers: R) {
-        let Cells { outlook, rays, len, columns, rows } = self;
+        let Cells { visibility, rays, len, columns, rows } = self;
         let last = Eight::load(registers, &[(SIDE - 1) as f64; LANES]);
         for g in 0..groups(len) {
             let ray = [
@@ -193,9 +206,9 @@ impl Work for Cells<'_> {
                 Eight::load(registers, &rays.y[g]),
                 Eight::load(registers, &rays.z[g]),
             ];
-            let along = dot(ray, outlook.axis);
-            let column = dot(ray, outlook.right) / along + (outlook.middle[0] - 0.5);
-            let row = dot(ray, outlook.up) / along + (outlook.middle[1] - 0.5);
+            let along = dot(ray, visibility.axis);
+            let column = dot(ray, visibility.right) / along + (visibility.middle[0] - 0.5);
+            let row = dot(ray, visibility.up) / along + (visibility.middle[1] - 0.5);
             (column.positive().at_most(last) + WHOLE).store(&mut columns[g]);
             (row.positive().at_most(last) + WHOLE).store(&mut rows[g]);
         }
