@@ -8,7 +8,7 @@ use clap::CommandFactory;
 use super::exit;
 use super::explain;
 use super::guests;
-use super::options::{Calibrate, Check, Exact, Explain, Format, Growth, List, Options, Plan, Run, Telling};
+use super::options::{Calibrate, Check, Exact, Explain, Format, Growth, List, Options, Plan, Report, Run, Telling};
 use super::progress::{Bar, RunBar};
 use crate::calibration;
 use crate::case::{self, Case, Ink, SelectError};
@@ -86,7 +86,9 @@ fn run_to_end(options: &Run) -> Result<u8, u8> {
     if !sets.is_empty() {
         guests::join(&mut outcome, &cases, &settings, &sets, &options.points)?;
     }
-    report::write(&options.out, &outcome, &ReportOptions { generator: GENERATOR, plots: !options.no_plots })
+    let plots = !options.no_plots;
+    let views = if plots { trial::receiver_views(&cases, &settings) } else { Vec::new() };
+    report::write(&options.out, &outcome, &ReportOptions { generator: GENERATOR, plots, views: &views })
         .map_err(|error| fault(exit::OUTPUT, error))?;
     conclude(&outcome, &options.out, &options.telling, options.quiet, options.allow_undecided)
 }
@@ -171,6 +173,19 @@ fn plan_to_end(options: &Plan) -> Result<u8, u8> {
     }
     let all = forecasts.iter().all(|plan| plan.suffices);
     Ok(if all || options.work.replicates.is_none() { exit::PASSED } else { exit::UNDECIDED })
+}
+
+pub fn report(options: &Report) -> u8 {
+    report_to_end(options).unwrap_or_else(|code| code)
+}
+
+fn report_to_end(options: &Report) -> Result<u8, u8> {
+    let rebuilt = report::rebuild(&options.dir, !options.no_plots).map_err(|error| fault(exit::OUTPUT, error))?;
+    for fault in &rebuilt.faults {
+        anstream::eprintln!("warning: {fault}");
+    }
+    print(&format!("{}\n", options.dir.join("index.html").display()))?;
+    Ok(if rebuilt.faults.is_empty() { exit::PASSED } else { exit::OUTPUT })
 }
 
 pub fn growth(options: &Growth) -> u8 {

@@ -238,7 +238,7 @@ fn judge_to_end(options: &JudgeOptions) -> Result<u8, u8> {
         code
     })?;
     let outcome = RunOutcome { seed: settings.seed, command: reproduce, cases: vec![outcome] };
-    report::write(out, &outcome, &ReportOptions { generator: GENERATOR, plots: true })
+    report::write(out, &outcome, &ReportOptions { generator: GENERATOR, plots: true, views: &[] })
         .map_err(|error| fault(exit::OUTPUT, error))?;
     conclude(&outcome, out, &options.telling, false, terms.allow_undecided)
 }
@@ -269,7 +269,7 @@ fn verify_to_end(options: &VerifyOptions) -> Result<u8, u8> {
     let outcome = guest::judge_estimates(&case, &settings, &invitation, files)
         .map_err(|error| fault(code_of(&error), &error))?;
     let outcome = RunOutcome { seed: settings.seed, command: reproduce, cases: vec![outcome] };
-    report::write(out, &outcome, &ReportOptions { generator: GENERATOR, plots: true })
+    report::write(out, &outcome, &ReportOptions { generator: GENERATOR, plots: true, views: &[] })
         .map_err(|error| fault(exit::OUTPUT, error))?;
     conclude(&outcome, out, &options::Telling::default(), false, terms.allow_undecided)
 }

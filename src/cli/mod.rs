@@ -43,6 +43,7 @@ pub fn main() -> ExitCode {
         Some(options::Command::Exact(exact)) => commands::exact(&exact),
         Some(options::Command::Calibrate(calibrate)) => commands::calibrate(&calibrate),
         Some(options::Command::Plan(plan)) => commands::plan(&plan),
+        Some(options::Command::Report(report)) => commands::report(&report),
         Some(options::Command::Growth(growth)) => commands::growth(&growth),
         Some(options::Command::Explain(explain)) => commands::explain(&explain),
         Some(options::Command::Compare(compare)) => compare::compare(&compare),

@@ -132,6 +132,9 @@ pub enum Command {
     Plan(Plan),
     /// How cost grows with samples, occluders, triangles, points and light rays: timed, plotted, fitted
     Growth(Growth),
+    /// A report's page and plots, made anew from its tables
+    #[command(after_help = REPORT_HELP)]
+    Report(Report),
     /// Two reports: which verdicts changed, and where estimates vary more or less
     #[command(after_help = super::compare::COMPARE_HELP)]
     Compare(super::compare::Compare),
@@ -166,6 +169,12 @@ pub enum Command {
     #[command(after_help = "Example: etendue man > etendue.1; etendue man run | man -l -")]
     Man(Man),
 }
+
+const REPORT_HELP: &str = "\
+Example: etendue report reports/latest
+
+Draws plots/ and index.html from the tables (CSV), manifest.json and pictures that lie in the folder. What is missing or broken is
+listed, on the page too; the rest is shown, and the exit code is 5. Page and plots are those of the run, byte for byte.";
 
 const SCHEMA_HELP: &str = "\
 Editors that read TOML by a schema (Taplo, Even Better TOML) complete keys and mark mistakes where a case begins with
@@ -363,6 +372,16 @@ impl Growth {
     pub fn effort(&self) -> Effort {
         if self.quick { Effort::Quick } else { Effort::Standard }
     }
+}
+
+#[derive(Args, Debug)]
+pub struct Report {
+    /// The folder of a report
+    #[arg(value_name = "DIR")]
+    pub dir: PathBuf,
+    /// Make the page alone, no plots
+    #[arg(long)]
+    pub no_plots: bool,
 }
 
 #[derive(Args, Debug)]

@@ -5,6 +5,8 @@
 
 mod diffuse;
 mod digest;
+#[cfg(feature = "studies")]
+mod figure;
 mod optic;
 mod receiver;
 mod sha256;
@@ -20,6 +22,8 @@ use crate::texture::{Texture, TextureError};
 
 pub use diffuse::DiffuseSurface;
 pub use digest::Digest;
+#[cfg(feature = "studies")]
+pub use figure::{Figure, Role, Stroke};
 pub use optic::{Glass, GlassShape, Mirror, MirrorShape};
 pub use receiver::{Receiver, ReceiverShape};
 pub use validate::ConfigurationError;
@@ -279,6 +283,11 @@ impl Configuration {
     pub fn albedos(&self) -> Option<Vec<Albedo>> {
         let receiver = self.receiver()?;
         self.points().iter().map(|point| receiver.albedo_at(point.position())).collect()
+    }
+    /// Everything in the room as lines, for a drawing of it.
+    #[cfg(feature = "studies")]
+    pub fn figures(&self) -> Vec<Figure> {
+        figure::figures(self)
     }
     /// A fingerprint of everything physical, and of nothing else: names, titles and study settings do not enter.
     pub fn digest(&self) -> Digest {

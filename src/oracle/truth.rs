@@ -20,6 +20,8 @@ pub enum Region {
 }
 
 impl Region {
+    pub const ALL: [Region; 5] = [Region::Lit, Region::Penumbra, Region::Umbra, Region::BelowHorizon, Region::Edge];
+
     /// The name that reports use.
     pub fn name(self) -> &'static str {
         match self {
@@ -29,6 +31,10 @@ impl Region {
             Region::BelowHorizon => "below_horizon",
             Region::Edge => "edge",
         }
+    }
+    /// The other way round.
+    pub fn from_name(name: &str) -> Option<Region> {
+        Region::ALL.into_iter().find(|region| region.name() == name)
     }
 }
 

@@ -11,43 +11,67 @@ pub(super) const PLOT_KINDS: [&str; 8] =
     ["variance", "bias", "profile", "map", "correlation", "caustic", "energy", "texels"];
 pub(super) const PLOT_FORMATS: [&str; 2] = ["svg", "png"];
 pub(super) const PLOTS: &str = "plots";
+/// Pictures of receivers: below `images/`, by this ending.
+pub(super) const VIEWS: &str = "images";
+pub(super) const VIEW_ENDING: &str = "-view.png";
 
 /// A file that is being written carries this ending until it is whole.
 const PARTIAL: &str = "partial";
 
 /// Files that lie directly in the folder.
-pub(super) const FILES: [&str; 11] = [
+pub(super) const FILES: [&str; 15] = [
     "convergence.csv",
+    "means.csv",
     "rates.csv",
+    "curves.csv",
     "correlation.csv",
     "energy.csv",
     "caustic.csv",
     "texels.csv",
     "paths.csv",
+    "scene.csv",
     "verdicts.csv",
     "timings.csv",
     "timings.html",
+    "index.html",
     "manifest.json",
 ];
 
 /// A case's name may fill this much of a file name, bytes.
-#[cfg(feature = "plots")]
 const LONGEST_STEM: usize = 120;
 
 /// Makes the folder, makes sure that files can be written and moved in it, and removes the files of an earlier report,
 /// so that a folder never mixes two runs. Only files that a report of ours consists of are touched.
 pub fn claim(dir: &Path) -> Result<(), ReportError> {
-    let plots = dir.join(PLOTS);
     claim_files(dir, &FILES)?;
+    claim_plots(dir)?;
+    let views = dir.join(VIEWS);
+    if views.is_dir() { sweep(&views, |name| whole_name(name).ends_with(VIEW_ENDING)) } else { Ok(()) }
+}
+
+/// The same for its plots alone.
+pub(super) fn claim_plots(dir: &Path) -> Result<(), ReportError> {
+    let plots = dir.join(PLOTS);
     claim_files(&plots, &[])?;
-    let entries = fs::read_dir(&plots).map_err(|source| unusable(&plots, source))?;
+    sweep(&plots, is_ours)
+}
+
+/// Removes the files of a folder that bear such names.
+fn sweep(dir: &Path, is_ours: impl Fn(&str) -> bool) -> Result<(), ReportError> {
+    let entries = fs::read_dir(dir).map_err(|source| unusable(dir, source))?;
     for entry in entries {
-        let entry = entry.map_err(|source| unusable(&plots, source))?;
-        if entry.file_name().to_str().is_some_and(is_ours) {
+        let entry = entry.map_err(|source| unusable(dir, source))?;
+        if entry.file_name().to_str().is_some_and(&is_ours) {
             remove(&entry.path())?;
         }
     }
     Ok(())
+}
+
+/// The name of a file that may not be whole yet.
+fn whole_name(name: &str) -> &str {
+    let whole = name.strip_prefix('.').and_then(|n| n.strip_suffix(PARTIAL)).and_then(|n| n.strip_suffix('.'));
+    whole.unwrap_or(name)
 }
 
 /// Makes one folder, makes sure that files can be written and moved in it, and removes the named ones of an earlier run.
@@ -77,8 +101,7 @@ fn unusable(path: &Path, source: io::Error) -> ReportError {
 
 /// Whether a file below `plots/` bears a name that a report gives.
 fn is_ours(name: &str) -> bool {
-    let whole = name.strip_prefix('.').and_then(|n| n.strip_suffix(PARTIAL)).and_then(|n| n.strip_suffix('.'));
-    let Some((stem, format)) = whole.unwrap_or(name).rsplit_once('.') else { return false };
+    let Some((stem, format)) = whole_name(name).rsplit_once('.') else { return false };
     let Some((_, kind)) = stem.rsplit_once('-') else { return false };
     PLOT_FORMATS.contains(&format) && PLOT_KINDS.contains(&kind)
 }
@@ -107,7 +130,6 @@ pub(super) fn write_whole(dir: &Path, name: &str, content: &[u8]) -> Result<Path
 ///
 /// Path separators become `-`, and so does whatever is no letter, digit, `-`, `_` or `.`; `.` and `..` vanish. Names
 /// that then coincide (also on file systems that fold case) are numbered in order.
-#[cfg(feature = "plots")]
 pub(super) fn file_stems<'a>(names: impl IntoIterator<Item = &'a str>) -> Vec<String> {
     let mut taken = std::collections::HashSet::new();
     let stem = |name: &str| {
@@ -138,7 +160,6 @@ pub(super) fn file_stems<'a>(names: impl IntoIterator<Item = &'a str>) -> Vec<St
 mod tests {
     use super::*;
 
-    #[cfg(feature = "plots")]
     #[test]
     fn case_names_cannot_leave_the_plots_folder() {
         let names = ["../x", "/etc/passwd", "..\\..\\x", "a/../../b", ".hidden", "..", "", "C:\\x", "a\0b", "a b\n"];
@@ -150,7 +171,6 @@ mod tests {
         assert_eq!(file_stems(["penumbra/eclipse"]), ["penumbra-eclipse"]);
     }
 
-    #[cfg(feature = "plots")]
     #[test]
     fn different_cases_have_different_files() {
         assert_eq!(file_stems(["a/b", "a-b", "A-B", "a-b-2"]), ["a-b", "a-b-2", "A-B-3", "a-b-2-2"]);

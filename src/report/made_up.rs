@@ -241,7 +241,8 @@ fn case_outcome(name: &str, title: &str, arrangement: Arrangement) -> CaseOutcom
     let truths: Vec<Truth> = points.iter().map(|p| truth(p.position(), arrangement)).collect();
     let source = Disk::new(DVec3::Z * HEIGHT, DVec3::NEG_Z, RADIUS).unwrap();
     let source = Source::new(Shape::Disk(source), Exitance::new(1.0)).unwrap();
-    let digest = Configuration::new(vec![source], vec![], None, points.clone(), arrangement).unwrap().digest();
+    let room = Configuration::new(vec![source], vec![], None, points.clone(), arrangement).unwrap();
+    let digest = room.digest();
     let mut noise = Noise(SplitMix64::seed_from_u64(digest.key()));
     let strategies = Strategy::LECTURE.map(|s| strategy_outcome(&mut noise, s, &points, &truths)).to_vec();
     CaseOutcome {
@@ -249,6 +250,7 @@ fn case_outcome(name: &str, title: &str, arrangement: Arrangement) -> CaseOutcom
         title: title.to_owned(),
         digest,
         arrangement,
+        figures: room.figures(),
         albedos: Some(vec![Albedo::new(0.5); points.len()]),
         points,
         truths,

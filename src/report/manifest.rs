@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::configuration::Arrangement;
 use crate::trial::RunOutcome;
 
 /// Rises when a reader of an older manifest would misread a newer one.
@@ -27,6 +28,11 @@ struct ManifestCase<'a> {
     title: &'a str,
     digest: String,
     points: usize,
+    /// Columns and rows, where the points are a grid; whether they follow a line. For whoever draws them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    grid: Option<[usize; 2]>,
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    line: bool,
     strategies: Vec<&'a str>,
 }
 
@@ -47,6 +53,11 @@ pub(super) fn manifest(outcome: &RunOutcome, generator: &str) -> String {
                 title: &case.title,
                 digest: case.digest.to_string(),
                 points: case.points.len(),
+                grid: match case.arrangement {
+                    Arrangement::Grid { nu, nv } => Some([nu, nv]),
+                    _ => None,
+                },
+                line: case.arrangement == Arrangement::Line && !case.points.is_empty(),
                 strategies: case.strategies.iter().map(|s| s.name()).collect(),
             })
             .collect(),

@@ -16,6 +16,7 @@ mod calibration;
 mod column;
 mod comparison;
 mod converge;
+mod curves;
 mod error;
 mod exact;
 #[cfg(feature = "plots")]
@@ -26,6 +27,7 @@ mod growth;
 #[cfg(feature = "plots")]
 mod image;
 mod images;
+mod index;
 #[cfg(feature = "cli")]
 mod junit;
 mod light;
@@ -37,11 +39,15 @@ mod paths;
 #[cfg(feature = "plots")]
 mod plot;
 mod read;
+mod record;
 #[cfg(feature = "plots")]
 mod render;
+mod scene;
 mod tables;
 mod terminal;
 mod timings;
+#[cfg(feature = "plots")]
+mod views;
 
 #[cfg(test)]
 mod made_up;
@@ -50,7 +56,9 @@ mod tests;
 
 use std::path::{Path, PathBuf};
 
-use crate::trial::RunOutcome;
+use crate::trial::{ReceiverViews, RunOutcome};
+
+use self::record::{Place, ReportRecord};
 
 pub use calibration::{calibration_reference, calibration_table, claim_calibration, write_calibration};
 pub use comparison::{ComparisonFormat, comparison_text};
@@ -79,6 +87,8 @@ pub struct ReportOptions<'a> {
     pub generator: &'a str,
     /// Whether plots are drawn; without the feature `plots` none are.
     pub plots: bool,
+    /// Pictures of receivers, of the cases that have some; without the feature `plots` none are written.
+    pub views: &'a [ReceiverViews],
 }
 
 /// Writes the whole report into a folder, which is made if need be; [`claim`] it first so that no file of an earlier
@@ -93,16 +103,69 @@ pub fn write(dir: &Path, outcome: &RunOutcome, options: &ReportOptions) -> Resul
     }
     std::fs::create_dir_all(dir).map_err(|source| ReportError::Folder { path: dir.to_owned(), source })?;
     let mut written = Vec::new();
-    for (name, content) in csv_files(outcome)? {
-        written.push(folder::write_whole(dir, name, &content)?);
+    let mut files = csv_files(outcome)?;
+    for (name, content) in &files {
+        written.push(folder::write_whole(dir, name, content)?);
     }
     written.push(folder::write_whole(dir, timings::FILE, timings::page(outcome).as_bytes())?);
+    files.push(("manifest.json", manifest::manifest(outcome, options.generator).into_bytes()));
+    let record = record::read(Place::Memory(&files));
+    let (name, content) = files.last().expect("the manifest was pushed");
+    written.push(folder::write_whole(dir, name, content)?);
+    drop(files);
     #[cfg(feature = "plots")]
-    if options.plots {
-        written.extend(plot::write_all(&dir.join(folder::PLOTS), outcome)?);
+    written.extend(views::write(dir, &record.cases, options.views)?);
+    written.extend(show(dir, &record, options.plots)?);
+    Ok(written)
+}
+
+/// A report made anew from its tables: which files were written, and what was missing or could not be read, a sentence each.
+#[derive(Clone, Debug)]
+pub struct Rebuilt {
+    pub written: Vec<PathBuf>,
+    pub faults: Vec<String>,
+}
+
+/// Makes plots and page of a report from its tables alone. What is not there is told and left out.
+pub fn rebuild(dir: &Path, plots: bool) -> Result<Rebuilt, ReportError> {
+    if !dir.is_dir() {
+        return Err(ReportError::NoReport { path: dir.to_owned(), missing: None });
     }
-    let manifest = manifest::manifest(outcome, options.generator);
-    written.push(folder::write_whole(dir, "manifest.json", manifest.as_bytes())?);
+    let record = record::read(Place::Folder(dir));
+    if record.cases.is_empty() {
+        return Err(ReportError::NoReport {
+            path: dir.to_owned(),
+            missing: Some("any table with a case".to_owned()),
+        });
+    }
+    if plots {
+        folder::claim_plots(dir)?;
+    }
+    let written = show(dir, &record, plots)?;
+    Ok(Rebuilt { written, faults: record.faults })
+}
+
+/// Plots and page, from what the tables tell.
+fn show(dir: &Path, record: &ReportRecord, plots: bool) -> Result<Vec<PathBuf>, ReportError> {
+    let mut written = Vec::new();
+    #[cfg(feature = "plots")]
+    if plots {
+        written.extend(plot::write_all(&dir.join(folder::PLOTS), record)?);
+    }
+    #[cfg(not(feature = "plots"))]
+    let _ = plots;
+    let names: Vec<String> = written.iter().filter_map(|path| Some(path.file_name()?.to_str()?.to_owned())).collect();
+    let stems = folder::file_stems(record.cases.iter().map(|case| case.name.as_str()));
+    let of_case = |k: usize| {
+        let kinds = folder::PLOT_KINDS.iter().map(|kind| format!("{}-{kind}.svg", stems[k]));
+        kinds.filter(|name| names.contains(name)).collect()
+    };
+    #[cfg(feature = "plots")]
+    let pictures = |k: usize| views::of_case(dir, &stems[k], &record.cases[k]);
+    #[cfg(not(feature = "plots"))]
+    let pictures = |_: usize| Vec::new();
+    let beside = index::Beside { plots: &of_case, pictures: &pictures };
+    written.push(folder::write_whole(dir, index::FILE, index::page(record, &beside).as_bytes())?);
     Ok(written)
 }
 
@@ -118,12 +181,15 @@ fn csv_files(outcome: &RunOutcome) -> Result<Vec<(&'static str, Vec<u8>)>, Repor
     }
     Ok(vec![
         filled(tables::convergence(), tables::convergence_rows(outcome))?,
+        filled(curves::means(), curves::mean_rows(outcome))?,
         filled(tables::rates(), tables::rate_rows(outcome))?,
+        filled(curves::curves(), curves::curve_rows(outcome))?,
         filled(tables::correlation(), tables::correlation_rows(outcome))?,
         filled(light::energy(), light::energy_rows(outcome))?,
         filled(light::caustic(), light::caustic_rows(outcome))?,
         filled(light::texels(), light::texel_rows(outcome))?,
         filled(paths::paths(), paths::path_rows(outcome))?,
+        filled(scene::scene(), scene::scene_rows(outcome))?,
         filled(tables::verdicts(), tables::verdict_rows(outcome))?,
         filled(tables::timings(), tables::timing_rows(outcome))?,
     ])
@@ -145,12 +211,15 @@ the tables.)*
     [
         head.to_owned(),
         tables::convergence().described(),
+        curves::means().described(),
         tables::rates().described(),
+        curves::curves().described(),
         tables::correlation().described(),
         light::energy().described(),
         light::caustic().described(),
         light::texels().described(),
         paths::paths().described(),
+        scene::scene().described(),
         tables::verdicts().described(),
         tables::timings().described(),
         exact::exact().described(),

@@ -4,7 +4,7 @@
 use std::fmt::Write as _;
 
 /// Colours follow the reader's setting; a table too wide for the screen scrolls by itself, its first column stays.
-const STYLE: &str = "
+pub(super) const STYLE: &str = "
 :root { color-scheme: light dark; --paper: #ffffff; --ink: #1d232a; --grey: #5d6873; --rule: #d9dee3; --tint: #f3f6f8;
   --one: #0b6bb0; --two: #b8500b; --three: #0b7a5c; --best: #dff0e6; }
 @media (prefers-color-scheme: dark) { :root { --paper: #14181c; --ink: #e4e8ec; --grey: #9aa5b0; --rule: #333c45; --tint: #1c2228;

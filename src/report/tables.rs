@@ -22,7 +22,7 @@ pub(super) struct Of<'a, T> {
 }
 
 /// All that strategies found, in the order of the report.
-fn each<'a, T: 'a>(
+pub(super) fn each<'a, T: 'a>(
     outcome: &'a RunOutcome,
     items: fn(&'a StrategyOutcome) -> &'a [T],
 ) -> impl Iterator<Item = Of<'a, T>> {

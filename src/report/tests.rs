@@ -9,7 +9,7 @@ use crate::oracle::Region;
 use crate::oracle::limits::{Limit, LimitMethod, Phase};
 use crate::statistics::Verdict;
 
-const OPTIONS: ReportOptions = ReportOptions { generator: "8 lanes of xoshiro256++", plots: true };
+const OPTIONS: ReportOptions = ReportOptions { generator: "8 lanes of xoshiro256++", plots: true, views: &[] };
 
 /// Every file below a folder with its content.
 fn contents(dir: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
@@ -33,7 +33,7 @@ fn rows(content: &[u8]) -> (Vec<String>, Vec<Vec<String>>) {
 }
 
 /// Columns as the contract lists them, and which of them may be empty.
-const CONTRACT: [(&str, &str, &str); 11] = [
+const CONTRACT: [(&str, &str, &str); 14] = [
     (
         "convergence.csv",
         "case, strategy, point, x_m, y_m, z_m, region, samples, replicates, exact_irradiance_W_m2, \
@@ -41,7 +41,13 @@ const CONTRACT: [(&str, &str, &str); 11] = [
          variance_high, predicted_variance_W2_m4, mse_W2_m4",
         "predicted_variance_W2_m4",
     ),
+    ("means.csv", "case, strategy, samples, replicates, exact_irradiance_W_m2, bias_W_m2, bias_std_error_W_m2", ""),
     ("rates.csv", "case, strategy, quantity, region, slope, slope_low, slope_high, expected_slope, verdict", ""),
+    (
+        "curves.csv",
+        "case, strategy, quantity, region, samples, value_W2_m4, low_W2_m4, high_W2_m4, fitted_W2_m4, asymptotic_slope",
+        "",
+    ),
     ("correlation.csv", "case, strategy, samples, separation_m, correlation, low, high, predicted", "predicted"),
     (
         "energy.csv",
@@ -67,6 +73,11 @@ const CONTRACT: [(&str, &str, &str); 11] = [
          largest_variance_W2_m4",
     ),
     (
+        "scene.csv",
+        "case, thing, role, shape, textured, stroke, form, vertex, x_m, y_m, z_m, normal_x, normal_y, normal_z, radius_m",
+        "normal_x, normal_y, normal_z, radius_m",
+    ),
+    (
         "verdicts.csv",
         "case, strategy, property, verdict, evidence, threshold, effect, effect_low, effect_high, \
          smallest_bias_mean, smallest_bias_point, reproduce",
@@ -81,7 +92,11 @@ const CONTRACT: [(&str, &str, &str); 11] = [
         "direct_W_m2, caustic_W_m2, indirect_W_m2, radiosity_W_m2",
     ),
 ];
-const WORDS: [&str; 14] = [
+const WORDS: [&str; 18] = [
+    "role",
+    "shape",
+    "textured",
+    "form",
     "estimator",
     "part",
     "case",
@@ -251,6 +266,48 @@ fn two_writes_give_the_same_bytes_and_name_every_file() {
     assert_eq!(named, a.keys().cloned().collect::<Vec<_>>(), "all files are named, none is left over");
     claim(first.path()).unwrap();
     assert!(contents(first.path()).is_empty(), "the next run's claim knows every file");
+}
+
+/// What plots and page are drawn from is what was measured, whatever the way through the tables.
+#[test]
+fn a_report_read_back_says_what_was_written() {
+    let outcome = made_up::outcome();
+    let mut files = csv_files(&outcome).unwrap();
+    files.push(("manifest.json", manifest::manifest(&outcome, OPTIONS.generator).into_bytes()));
+    let record = record::read(Place::Memory(&files));
+    assert_eq!(record.faults, Vec::<String>::new());
+    assert_eq!((record.command.as_str(), record.cases.len()), (outcome.command.as_str(), outcome.cases.len()));
+    for (read, case) in record.cases.iter().zip(&outcome.cases) {
+        assert_eq!((&read.name, &read.title, read.arrangement), (&case.name, &case.title, case.arrangement));
+        assert_eq!(read.figures.len(), case.figures.len());
+        for (read, figure) in read.figures.iter().zip(&case.figures) {
+            assert_eq!((read.role, read.shape.as_str(), &read.strokes), (figure.role, figure.shape, &figure.strokes));
+        }
+        for ((read, point), truth) in read.points.iter().zip(&case.points).zip(&case.truths) {
+            assert_eq!((read.position, read.region), (point.position(), truth.region));
+            assert_eq!(read.exact, truth.irradiance.watts_per_square_metre());
+        }
+        for (read, made) in read.strategies.iter().zip(&case.strategies) {
+            assert_eq!((read.name.as_str(), &read.correlations), (made.name(), &made.correlations));
+            assert_eq!(read.cells.len(), made.cells.len());
+            for (read, cell) in read.cells.iter().zip(&made.cells) {
+                assert_eq!(
+                    (read.samples, read.replicates, &read.points),
+                    (cell.samples, cell.replicates, &cell.points)
+                );
+                assert_eq!(read.mean_bias, Some([cell.mean_bias, cell.mean_bias_std_error]));
+            }
+            for (read, rate) in read.rates.iter().zip(&made.rates) {
+                assert_eq!((read.region, read.slope, &read.points), (rate.region, rate.slope, &rate.points));
+                let line = read.line.unwrap();
+                assert!((line.intercept - rate.intercept).abs() < 1e-12 && line.asymptote == rate.asymptote);
+            }
+        }
+        let light = case.light.as_ref().unwrap();
+        assert_eq!((&read.ledger, &read.texels), (&light.rows, &light.texels));
+        assert_eq!(read.rings.len(), light.bins.len());
+        assert_eq!(read.verdicts.len(), case.verdicts().count());
+    }
 }
 
 #[cfg(feature = "plots")]

@@ -52,6 +52,8 @@ mod shown;
 mod spread;
 #[cfg_attr(not(feature = "studies"), path = "points_by_area.rs")]
 mod techniques;
+#[cfg(feature = "studies")]
+mod views;
 
 #[cfg(feature = "studies")]
 pub use compare::{
@@ -91,3 +93,5 @@ pub use repeat::Repeated;
 #[cfg(feature = "studies")]
 pub use run::{Progress, TrialError, run, run_with};
 pub use settings::{Effort, Overrides, Settings, quoted};
+#[cfg(feature = "studies")]
+pub use views::{ReceiverViews, receiver_views};

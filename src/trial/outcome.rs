@@ -1,5 +1,7 @@
 //! What a run found: everything that reports show, and nothing about how it is shown.
 
+#[cfg(feature = "studies")]
+use crate::configuration::Figure;
 use crate::configuration::{Arrangement, Digest, MeasurementPoint};
 use crate::geometry::DVec3;
 use crate::light::Moments;
@@ -25,6 +27,9 @@ pub struct CaseOutcome {
     pub title: String,
     pub digest: Digest,
     pub arrangement: Arrangement,
+    /// What stands in the room, for a drawing of it.
+    #[cfg(feature = "studies")]
+    pub figures: Vec<Figure>,
     /// The receiver's, one for each point.
     pub albedos: Option<Vec<Albedo>>,
     pub points: Vec<MeasurementPoint>,

@@ -80,6 +80,8 @@ impl<'a> Ready<'a> {
             title: case.title.clone(),
             digest: self.digest,
             arrangement: case.configuration.arrangement(),
+            #[cfg(feature = "studies")]
+            figures: case.configuration.figures(),
             albedos: case.configuration.albedos(),
             points: case.configuration.points().to_vec(),
             truths: self.truths.clone(),

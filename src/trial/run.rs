@@ -111,6 +111,7 @@ pub(super) fn unmeasured(case: &Case) -> CaseOutcome {
         title: case.title.clone(),
         digest: case.configuration.digest(),
         arrangement: case.configuration.arrangement(),
+        figures: case.configuration.figures(),
         albedos: case.configuration.albedos(),
         points: Vec::new(),
         truths: Vec::new(),

@@ -27,6 +27,7 @@ mod meshes;
 #[cfg(all(feature = "cli", unix))]
 mod mitsuba;
 mod optics;
+mod page;
 mod papers;
 mod published;
 mod radiometry;

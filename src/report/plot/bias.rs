@@ -4,32 +4,33 @@ use super::axis::Axis;
 use super::ink::{Align, Page};
 use super::panel::{HEIGHT, Key, Panel, WIDTH, legend_rows, titled_page};
 use super::style::{Dash, GREY, INK, SMALL, look_of, shown_of};
-use crate::trial::CaseOutcome;
+use crate::report::record::{CaseRecord, CellRecord, StrategyRecord};
 
 /// Half a 95 % interval in standard errors, for showing; verdicts use none.
 pub use crate::statistics::interval::Z_95 as NORMAL_95;
 
 /// `None` where nothing arrives and nothing is due.
-pub fn bias(case: &CaseOutcome) -> Option<Page> {
-    let exact: f64 = case.truths.iter().map(|t| t.irradiance.watts_per_square_metre()).sum();
-    let mean = exact / case.truths.len().max(1) as f64;
+pub fn bias(case: &CaseRecord) -> Option<Page> {
+    let exact: f64 = case.points.iter().map(|point| point.exact).sum();
+    let mean = exact / case.points.len().max(1) as f64;
     let (unit, name) =
         if mean > 0.0 { (mean, "relative bias of the mean") } else { (1.0, "bias of the mean (W/m²)") };
-    let cells = || case.strategies.iter().flat_map(|s| &s.cells);
-    let reach = |bias: f64, error: f64| (bias.abs() + NORMAL_95 * error) / unit;
-    let largest = cells().map(|c| reach(c.mean_bias, c.mean_bias_std_error)).fold(0.0, f64::max);
-    let errors = cells().map(|c| c.mean_bias_std_error / unit).filter(|e| *e > 0.0);
+    let with_bias = |cell: &'_ CellRecord| Some((cell.samples, cell.mean_bias?));
+    let cells = || case.strategies.iter().flat_map(|s| &s.cells).filter_map(with_bias);
+    let reach = |[bias, error]: [f64; 2]| (bias.abs() + NORMAL_95 * error) / unit;
+    let largest = cells().map(|(_, bias)| reach(bias)).fold(0.0, f64::max);
+    let errors = cells().map(|(_, [_, error])| error / unit).filter(|e| *e > 0.0);
     let finest = errors.fold(f64::INFINITY, f64::min);
     if largest == 0.0 {
         return None;
     }
-    let seen = |s: &crate::trial::StrategyOutcome| {
-        let judged = s.verdicts.iter().find(|v| v.property == "bias")?;
+    let seen = |s: &StrategyRecord| {
+        let judged = case.verdicts.iter().find(|v| v.property == "bias" && v.strategy == s.name)?;
         judged.smallest_bias_mean.filter(|b| mean > 0.0 && *b > 0.0)
     };
     let largest = case.strategies.iter().filter_map(seen).fold(largest, f64::max);
     let counts: Vec<u64> =
-        cells().map(|c| c.samples).collect::<std::collections::BTreeSet<_>>().into_iter().collect();
+        cells().map(|(samples, _)| samples).collect::<std::collections::BTreeSet<_>>().into_iter().collect();
 
     let shows = format!(
         "{}: bias of the mean over {} points, at each number of points on each source",
@@ -52,9 +53,9 @@ pub fn bias(case: &CaseOutcome) -> Option<Page> {
     for (i, strategy) in case.strategies.iter().enumerate() {
         let look = look_of(strategy);
         let aside = 11.0 * (i as f64 - middle);
-        for cell in &strategy.cells {
-            let (n, bias) = (cell.samples as f64, cell.mean_bias / unit);
-            let half = NORMAL_95 * cell.mean_bias_std_error / unit;
+        for (samples, [bias, std_error]) in strategy.cells.iter().filter_map(with_bias) {
+            let (n, bias) = (samples as f64, bias / unit);
+            let half = NORMAL_95 * std_error / unit;
             panel.bar(&mut page, (n, bias - half, bias + half), aside, 4.0, look.colour);
             let (x, y) = panel.at(n, bias);
             page.marker((x + aside, y), look.marker, look.colour, 3.8);

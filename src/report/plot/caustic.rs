@@ -5,8 +5,8 @@ use super::bias::NORMAL_95;
 use super::ink::{Align, Page};
 use super::panel::{HEIGHT, Key, Panel, WIDTH, legend_rows, titled_page};
 use super::style::{Dash, GREY, GUIDE, INK, SMALL, look};
+use crate::report::record::{CaseRecord, RingRecord};
 use crate::sampling::Strategy;
-use crate::trial::{CaseOutcome, CausticBin};
 
 /// A ring with its radii and the irradiances over it.
 struct Ring {
@@ -16,13 +16,22 @@ struct Ring {
     std_error: f64,
 }
 
-impl Ring {
-    fn of(bin: &CausticBin) -> Option<Ring> {
-        let std_error = bin.std_error.unwrap_or(0.0) / bin.area;
-        let radii = bin.radii?;
-        Some(Ring { radii, exact: bin.exact / bin.area, measured: bin.measured / bin.area, std_error })
-    }
+/// The rings of one order, outwards. They follow each other from the axis on, so that their middles tell where they end.
+fn rings_of(rings: &[RingRecord], order: usize) -> Vec<Ring> {
+    let mut inner = 0.0;
+    let of_order = rings.iter().filter(|ring| ring.order == order);
+    of_order
+        .filter_map(|ring| {
+            let outer = 2.0 * ring.position? - inner;
+            let std_error = ring.std_error.unwrap_or(0.0);
+            let radii = [inner, outer];
+            inner = outer;
+            Some(Ring { radii, exact: ring.exact, measured: ring.measured, std_error })
+        })
+        .collect()
+}
 
+impl Ring {
     fn middle(&self) -> f64 {
         0.5 * (self.radii[0] + self.radii[1])
     }
@@ -30,13 +39,13 @@ impl Ring {
 
 /// Irradiance over the radius by order, and below it the deviations of the first order in standard errors. `None` where no
 /// ring has an exact value.
-pub fn caustic(case: &CaseOutcome) -> Option<Page> {
-    let bins = &case.light.as_ref()?.bins;
-    let mut orders: Vec<usize> = bins.iter().filter(|bin| bin.radii.is_some()).map(|bin| bin.order).collect();
+pub fn caustic(case: &CaseRecord) -> Option<Page> {
+    let mut orders: Vec<usize> =
+        case.rings.iter().filter(|ring| ring.position.is_some()).map(|ring| ring.order).collect();
     orders.dedup();
-    let rings = |order: usize| bins.iter().filter(move |bin| bin.order == order).filter_map(Ring::of);
-    let farthest = bins.iter().filter_map(|bin| bin.radii).map(|[_, outer]| outer).fold(0.0, f64::max);
+    let rings = |order: usize| rings_of(&case.rings, order).into_iter();
     let all = || orders.iter().flat_map(|order| rings(*order));
+    let farthest = all().map(|ring| ring.radii[1]).fold(0.0, f64::max);
     let high = all().map(|ring| ring.exact.max(ring.measured + NORMAL_95 * ring.std_error)).fold(0.0, f64::max);
     let first = *orders.first()?;
     if high <= 0.0 {
@@ -46,7 +55,7 @@ pub fn caustic(case: &CaseOutcome) -> Option<Page> {
     let is_log = orders.len() > 1;
     let low = all().map(|ring| ring.exact).filter(|exact| *exact > 0.0).fold(high, f64::min);
     let y = if is_log { Axis::log(low / 2.0, high * 2.0, 8) } else { Axis::linear(0.0, 1.06 * high, false, 6) };
-    let rays = case.light.as_ref().and_then(|light| light.rows.last()).map_or(0, |row| row.rays);
+    let rays = case.ledger.last().map_or(0, |row| row.rays);
     let mut page =
         titled_page(&case.title, &format!("{}: mean irradiance over rings around the axis, {rays} rays", case.name));
     let x = Axis::linear(0.0, farthest, false, 8);

@@ -4,14 +4,15 @@ use super::axis::Axis;
 use super::ink::{Align, Page};
 use super::panel::{HEIGHT, Key, Panel, WIDTH, legend_column, titled_page};
 use super::style::{Colour, Dash, GREY, INK, Look, Marker, SMALL, TEXT, look_of, shown_of};
-use crate::trial::{CaseOutcome, Correlation, StrategyOutcome};
+use crate::report::record::{CaseRecord, StrategyRecord};
+use crate::trial::Correlation;
 
 /// Sample counts drawn per strategy: the fewest, one between, the most.
 const DRAWN: usize = 3;
 
 /// `None` where no correlation was measured.
-pub fn correlation(case: &CaseOutcome) -> Option<Page> {
-    let strategies: Vec<&StrategyOutcome> = case.strategies.iter().filter(|s| !s.correlations.is_empty()).collect();
+pub fn correlation(case: &CaseRecord) -> Option<Page> {
+    let strategies: Vec<&StrategyRecord> = case.strategies.iter().filter(|s| !s.correlations.is_empty()).collect();
     let all = || strategies.iter().flat_map(|s| &s.correlations);
     let farthest = all().map(|c| c.separation).fold(0.0, f64::max);
     if strategies.is_empty() {
@@ -46,7 +47,7 @@ pub fn correlation(case: &CaseOutcome) -> Option<Page> {
 const MOST_COLUMNS: usize = 4;
 const ROW: f64 = 530.0;
 
-fn draw_strategy(page: &mut Page, panel: &Panel, strategy: &StrategyOutcome) {
+fn draw_strategy(page: &mut Page, panel: &Panel, strategy: &StrategyRecord) {
     let mut legend = Vec::new();
     let counts = drawn_counts(&strategy.correlations);
     let mut predicted = false;

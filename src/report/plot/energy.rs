@@ -3,13 +3,13 @@
 use super::ink::{Align, Page};
 use super::panel::{Key, WIDTH, legend_rows, titled_page};
 use super::style::{Dash, GREY, INK, SMALL, TEXT, look};
+use crate::report::record::CaseRecord;
 use crate::sampling::Strategy;
-use crate::trial::{CaseOutcome, LightRow};
+use crate::trial::LightRow;
 
 /// `None` where no light was followed.
-pub fn energy(case: &CaseOutcome) -> Option<Page> {
-    let light = case.light.as_ref()?;
-    let power = light.rows.first()?.source_power;
+pub fn energy(case: &CaseRecord) -> Option<Page> {
+    let power = case.ledger.first()?.source_power;
     if power <= 0.0 {
         return None;
     }
@@ -20,7 +20,7 @@ pub fn energy(case: &CaseOutcome) -> Option<Page> {
     let (left, right) = (120.0, WIDTH - 170.0);
     let (top, step, height) = (88.0, 62.0, 34.0);
     let colours = [0, 1, 2, 3].map(|k| look(Strategy::ALL[k]).colour);
-    for (k, row) in light.rows.iter().enumerate() {
+    for (k, row) in case.ledger.iter().enumerate() {
         let y = top + step * k as f64;
         page.text((left - 12.0, y + 0.5 * height), format!("{}", row.rays), TEXT, INK, Align::End);
         let mut from = left;
@@ -36,7 +36,7 @@ pub fn energy(case: &CaseOutcome) -> Option<Page> {
         let gap = format!("gap {:.0e}", row.largest_gap());
         page.text((right + 12.0, y + 0.5 * height), gap, SMALL, GREY, Align::Start);
     }
-    let bottom = top + step * light.rows.len() as f64;
+    let bottom = top + step * case.ledger.len() as f64;
     let names = ["deposited", "absorbed", "escaped", "terminated"];
     let key = |k: usize| Key::Line { colour: colours[k], width: 9.0, dash: Dash::Solid, marker: None };
     let legend: Vec<_> = names.iter().enumerate().map(|(k, name)| (key(k), (*name).to_owned())).collect();

@@ -8,21 +8,21 @@ use super::panel::{HEIGHT, Panel, WIDTH, titled_page};
 use super::profile::{is_map, replicates, shown_samples};
 use super::style::{Colour, Dash, GREY, INK, SMALL, TEXT, shown_of};
 use crate::configuration::Arrangement;
-use crate::trial::{CaseOutcome, Cell, StrategyOutcome};
+use crate::report::record::{CaseRecord, CellRecord, StrategyRecord};
 
 /// Shades of a colour scale: few enough that neighbours of one shade can be drawn as one.
 const SHADES: usize = 80;
 
 /// `None` where the points fill no area.
-pub fn map(case: &CaseOutcome) -> Option<Page> {
+pub fn map(case: &CaseRecord) -> Option<Page> {
     let Arrangement::Grid { nu, nv } = case.arrangement else { return None };
     if !is_map(case) {
         return None;
     }
     let samples = shown_samples(case)?;
-    let cells: Vec<(&StrategyOutcome, &Cell)> =
+    let cells: Vec<(&StrategyRecord, &CellRecord)> =
         case.strategies.iter().filter_map(|s| Some((s, s.cells.iter().find(|c| c.samples == samples)?))).collect();
-    let exact: Vec<f64> = case.truths.iter().map(|t| t.irradiance.watts_per_square_metre()).collect();
+    let exact: Vec<f64> = case.points.iter().map(|point| point.exact).collect();
     let what = format!(
         "{}: exact irradiance, and the mean's relative deviation at N = {samples}, {} replicates",
         case.name,
@@ -68,8 +68,8 @@ struct Extent {
     names: (&'static str, &'static str),
 }
 
-fn extent(case: &CaseOutcome, nu: usize, nv: usize) -> Extent {
-    let at = |i: usize, j: usize| case.points[j * nu + i].position();
+fn extent(case: &CaseRecord, nu: usize, nv: usize) -> Extent {
+    let at = |i: usize, j: usize| case.points[j * nu + i].position;
     if nu > 1 && nv > 1 {
         let (u, v) = (at(1, 0) - at(0, 0), at(0, 1) - at(0, 0));
         let (lu, lv) = (u.length(), v.length());

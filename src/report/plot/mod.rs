@@ -30,26 +30,28 @@ use rayon::prelude::*;
 use super::ReportError;
 use super::folder::{PLOT_KINDS, file_stems, write_whole};
 use super::image::Rgb;
-use crate::trial::{CaseOutcome, GrowthStudy, Lecture, ReceiverPicture, RunOutcome};
+use super::record::{CaseRecord, ReportRecord};
+use crate::trial::{GrowthStudy, Lecture, ReceiverPicture};
 
 pub(super) use picture::encoded as picture_of;
+pub(super) use raster::Scale;
 
 /// Pixels of a PNG, and units of an SVG, for each point of a page.
 const PIXELS: f64 = 2.0;
 const UNITS: f64 = 8.0;
 
 /// Draws all plots of all cases, cases in parallel. Returns the files in the order of the cases.
-pub(super) fn write_all(dir: &Path, outcome: &RunOutcome) -> Result<Vec<PathBuf>, ReportError> {
+pub(super) fn write_all(dir: &Path, report: &ReportRecord) -> Result<Vec<PathBuf>, ReportError> {
     std::fs::create_dir_all(dir).map_err(|source| ReportError::Folder { path: dir.to_owned(), source })?;
-    let stems = file_stems(outcome.cases.iter().map(|c| c.name.as_str()));
+    let stems = file_stems(report.cases.iter().map(|c| c.name.as_str()));
     let written: Vec<Result<Vec<PathBuf>, ReportError>> =
-        outcome.cases.par_iter().zip(&stems).map(|(case, stem)| write_case(dir, stem, case)).collect();
+        report.cases.par_iter().zip(&stems).map(|(case, stem)| write_case(dir, stem, case)).collect();
     let by_case: Result<Vec<Vec<PathBuf>>, ReportError> = written.into_iter().collect();
     Ok(by_case?.into_iter().flatten().collect())
 }
 
-fn write_case(dir: &Path, stem: &str, case: &CaseOutcome) -> Result<Vec<PathBuf>, ReportError> {
-    let draw: [fn(&CaseOutcome) -> Option<ink::Page>; 8] = [
+fn write_case(dir: &Path, stem: &str, case: &CaseRecord) -> Result<Vec<PathBuf>, ReportError> {
+    let draw: [fn(&CaseRecord) -> Option<ink::Page>; 8] = [
         variance::variance,
         bias::bias,
         profile::profile,

@@ -8,7 +8,7 @@ use super::style::{Colour, Dash, GREY, INK, SMALL, TEXT, look_of, shown_of};
 use super::text::text_width;
 use crate::configuration::Arrangement;
 use crate::oracle::Region;
-use crate::trial::{CaseOutcome, Cell, StrategyOutcome};
+use crate::report::record::{CaseRecord, CellRecord, StrategyRecord};
 
 use plotters::style::RGBColor;
 
@@ -16,33 +16,28 @@ use plotters::style::RGBColor;
 const SHOWN_SAMPLES: f64 = 64.0;
 
 /// `None` for a grid, which has a map instead, and where nothing was measured.
-pub fn profile(case: &CaseOutcome) -> Option<Page> {
+pub fn profile(case: &CaseRecord) -> Option<Page> {
     if is_map(case) {
         return None;
     }
     let samples = shown_samples(case)?;
-    let shown_cells: Vec<(&StrategyOutcome, &Cell)> =
+    let shown_cells: Vec<(&StrategyRecord, &CellRecord)> =
         case.strategies.iter().filter_map(|s| Some((s, s.cells.iter().find(|c| c.samples == samples)?))).collect();
     let along = places(case);
     let line = case.arrangement == Arrangement::Line;
-    let exact: Vec<f64> = case.truths.iter().map(|t| t.irradiance.watts_per_square_metre()).collect();
+    let exact: Vec<f64> = case.points.iter().map(|point| point.exact).collect();
 
     let what = format!("{}: irradiance at N = {samples}, {} replicates", case.name, replicates(&shown_cells));
     let mut page = titled_page(&case.title, &what);
     let x = if line { Axis::linear(along[0], along[along.len() - 1], false, 8) } else { indices(along.len()) };
-    let noise = |c: &Cell, i: usize| c.points[i].variance.sqrt();
-    let reach = |c: &Cell, i: usize| c.points[i].bias.abs() + NORMAL_95 * c.points[i].bias_std_error;
+    let noise = |c: &CellRecord, i: usize| c.points[i].variance.sqrt();
+    let reach = |c: &CellRecord, i: usize| c.points[i].bias.abs() + NORMAL_95 * c.points[i].bias_std_error;
     let (mut top, mut largest) = (exact.iter().copied().fold(0.0, f64::max), 0.0f64);
     for (_, cell) in &shown_cells {
         for (i, value) in exact.iter().enumerate() {
             top = top.max(value + noise(cell, i));
             largest = largest.max(reach(cell, i));
         }
-    }
-    if top == 0.0 {
-        // In the dark the axis shows what would be there without occluders.
-        let open = case.truths.iter().map(|t| t.unoccluded_irradiance.watts_per_square_metre());
-        top = open.fold(0.0, f64::max);
     }
     let y = Axis::linear(0.0, if top > 0.0 { 1.08 * top } else { 1.0 }, false, 6);
     let largest = if largest > 0.0 { largest } else { 1e-3 * y.high() };
@@ -122,12 +117,12 @@ fn draw_band(page: &mut Page, panel: &Panel, edges: &[(f64, f64, f64)], colour: 
 }
 
 /// Whether the points fill an area.
-pub fn is_map(case: &CaseOutcome) -> bool {
+pub fn is_map(case: &CaseRecord) -> bool {
     matches!(case.arrangement, Arrangement::Grid { nu, nv } if nu > 1 && nv > 1)
 }
 
 /// The measured sample count nearest to the one wanted, on a logarithmic scale.
-pub fn shown_samples(case: &CaseOutcome) -> Option<u64> {
+pub fn shown_samples(case: &CaseRecord) -> Option<u64> {
     let counts = case.strategies.iter().flat_map(|s| &s.cells).map(|c| c.samples).filter(|n| *n > 0);
     counts.min_by(|a, b| {
         let away = |n: u64| (n as f64 / SHOWN_SAMPLES).ln().abs();
@@ -136,7 +131,7 @@ pub fn shown_samples(case: &CaseOutcome) -> Option<u64> {
 }
 
 /// `1000`, or `800–1000` where strategies differ.
-pub fn replicates(cells: &[(&StrategyOutcome, &Cell)]) -> String {
+pub fn replicates(cells: &[(&StrategyRecord, &CellRecord)]) -> String {
     let counts = || cells.iter().map(|(_, c)| c.replicates);
     match (counts().min(), counts().max()) {
         (Some(low), Some(high)) if low != high => format!("{low}–{high}"),
@@ -145,14 +140,14 @@ pub fn replicates(cells: &[(&StrategyOutcome, &Cell)]) -> String {
 }
 
 /// Distance from the first point along the way through all of them, metres; else the points' numbers.
-fn places(case: &CaseOutcome) -> Vec<f64> {
+fn places(case: &CaseRecord) -> Vec<f64> {
     if case.arrangement != Arrangement::Line {
         return (0..case.points.len()).map(|i| i as f64).collect();
     }
     let mut gone = 0.0;
     let mut places = vec![0.0];
     for pair in case.points.windows(2) {
-        gone += (pair[1].position() - pair[0].position()).length();
+        gone += (pair[1].position - pair[0].position).length();
         places.push(gone);
     }
     places
@@ -179,19 +174,19 @@ fn shade(region: Region) -> (Colour, &'static str) {
 }
 
 /// Shades each run of points in one region, and names it above the first panel. Regions meet halfway between points.
-fn shade_regions(page: &mut Page, case: &CaseOutcome, along: &[f64], panels: &[&Panel], line: bool) {
+fn shade_regions(page: &mut Page, case: &CaseRecord, along: &[f64], panels: &[&Panel], line: bool) {
     let n = along.len();
     let mut start = 0;
     let mut free = f64::NEG_INFINITY;
     for i in 1..=n {
-        if i < n && case.truths[i].region == case.truths[start].region {
+        if i < n && case.points[i].region == case.points[start].region {
             continue;
         }
         let (low, high) = (panels[0].x.low(), panels[0].x.high());
         let border = |a: usize, b: usize| if line { 0.5 * (along[a] + along[b]) } else { 0.5 * (a + b) as f64 };
         let from = if start == 0 { low } else { border(start - 1, start) };
         let to = if i == n { high } else { border(i - 1, i) };
-        let (colour, name) = shade(case.truths[start].region);
+        let (colour, name) = shade(case.points[start].region);
         for panel in panels {
             let (left, _) = panel.at(from, panel.y.low());
             let (right, _) = panel.at(to, panel.y.low());

@@ -2,8 +2,8 @@
 
 use plotters::style::RGBColor;
 
+use crate::report::record::StrategyRecord;
 use crate::sampling::Strategy;
-use crate::trial::StrategyOutcome;
 
 pub type Colour = RGBColor;
 
@@ -150,13 +150,16 @@ pub fn look(strategy: Strategy) -> Look {
 const GUEST: Look = Look { colour: RGBColor(0x55, 0x55, 0x55), marker: Marker::Funnel, dash: Dash::Tripping };
 
 /// The look of whoever made the estimates.
-pub fn look_of(made: &StrategyOutcome) -> Look {
-    if made.guest.is_some() { GUEST } else { look(made.strategy) }
+pub fn look_of(made: &StrategyRecord) -> Look {
+    made.known().map_or(GUEST, look)
 }
 
 /// What people read for whoever made the estimates.
-pub fn shown_of(made: &StrategyOutcome) -> &str {
-    made.guest.as_deref().unwrap_or(shown(made.strategy))
+pub fn shown_of(made: &StrategyRecord) -> &str {
+    match made.known() {
+        Some(strategy) => shown(strategy),
+        None => &made.name,
+    }
 }
 
 /// What people read for a strategy.

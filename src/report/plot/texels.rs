@@ -4,12 +4,13 @@ use super::axis::Axis;
 use super::ink::{Align, Page};
 use super::panel::{HEIGHT, Key, Panel, WIDTH, legend_rows, titled_page};
 use super::style::{Dash, GREY, INK, SMALL, look};
+use crate::report::record::CaseRecord;
 use crate::sampling::Strategy;
-use crate::trial::{CaseOutcome, MapRow};
+use crate::trial::MapRow;
 
 /// Relative errors over the texels' size, log–log. `None` where they are not known.
-pub fn texels(case: &CaseOutcome) -> Option<Page> {
-    let rows = &case.light.as_ref()?.texels;
+pub fn texels(case: &CaseRecord) -> Option<Page> {
+    let rows = &case.texels;
     let relative = |row: &MapRow, error: f64| error / row.irradiance;
     let noise = |row: &MapRow| relative(row, row.variance.sqrt());
     let due = |row: &MapRow| relative(row, row.predicted_variance.sqrt());

@@ -4,19 +4,18 @@
 use super::axis::Axis;
 use super::ink::{Align, Page};
 use super::panel::{HEIGHT, Key, Panel, WIDTH, legend_column, more_than_three, titled_page};
-use super::style::{Dash, GREY, GUIDE, INK, SMALL, TEXT, look, shown};
+use super::style::{Dash, GREY, GUIDE, INK, SMALL, TEXT, look_of, shown_of};
 use crate::oracle::Region;
-use crate::sampling::Strategy;
-use crate::trial::{CaseOutcome, Rate};
+use crate::report::record::{CaseRecord, RateRecord, StrategyRecord};
 
 /// The curves of one region.
 struct Group<'a> {
     region: Option<Region>,
-    rates: Vec<(Strategy, &'a Rate)>,
+    rates: Vec<(&'a StrategyRecord, &'a RateRecord)>,
 }
 
 /// `None` where no variance was fitted: no light reaches any point.
-pub fn variance(case: &CaseOutcome) -> Option<Page> {
+pub fn variance(case: &CaseRecord) -> Option<Page> {
     let groups = groups(case);
     let drawn = || groups.iter().flat_map(|g| &g.rates).flat_map(|(_, rate)| positive(rate));
     let counts: Vec<u64> = drawn().map(|p| p.0).collect::<std::collections::BTreeSet<_>>().into_iter().collect();
@@ -66,7 +65,7 @@ fn heading(region: Option<Region>) -> &'static str {
 }
 
 /// By region; the summary over all points only where there is nothing finer.
-fn groups(case: &CaseOutcome) -> Vec<Group<'_>> {
+fn groups(case: &CaseRecord) -> Vec<Group<'_>> {
     let mut groups: Vec<Group> = Vec::new();
     for strategy in &case.strategies {
         for rate in strategy.rates.iter().filter(|r| r.quantity == "variance") {
@@ -74,8 +73,8 @@ fn groups(case: &CaseOutcome) -> Vec<Group<'_>> {
                 continue;
             }
             match groups.iter_mut().find(|g| g.region == rate.region) {
-                Some(group) => group.rates.push((strategy.strategy, rate)),
-                None => groups.push(Group { region: rate.region, rates: vec![(strategy.strategy, rate)] }),
+                Some(group) => group.rates.push((strategy, rate)),
+                None => groups.push(Group { region: rate.region, rates: vec![(strategy, rate)] }),
             }
         }
     }
@@ -87,7 +86,7 @@ fn groups(case: &CaseOutcome) -> Vec<Group<'_>> {
 }
 
 /// Samples, value and interval of what a logarithmic axis can show.
-fn positive(rate: &Rate) -> impl Iterator<Item = (u64, f64, f64, f64)> {
+fn positive(rate: &RateRecord) -> impl Iterator<Item = (u64, f64, f64, f64)> {
     rate.points
         .iter()
         .filter(|p| p.value > 0.0)
@@ -98,12 +97,12 @@ fn draw_group(page: &mut Page, panel: &Panel, group: &Group) {
     draw_guides(page, panel, group);
     let mut legend = Vec::new();
     for (strategy, rate) in &group.rates {
-        let look = look(*strategy);
+        let look = look_of(strategy);
         let points: Vec<_> = positive(rate).collect();
         let band: Vec<_> = points.iter().map(|&(n, _, low, high)| (n as f64, low, high)).collect();
         panel.band(page, &band, look.colour, 0.22);
         let ends = [points[0].0 as f64, points[points.len() - 1].0 as f64];
-        let fitted = |n: f64| (rate.intercept + rate.slope * n.ln()).exp();
+        let fitted = |n: f64| rate.fitted(n).unwrap_or(f64::NAN);
         let inside = |v: f64| v.is_finite() && v >= panel.y.low() && v <= panel.y.high();
         if points.len() > 1 && ends.iter().all(|n| inside(fitted(*n))) {
             panel.curve(page, ends.map(|n| (n, fitted(n))), look.colour, 1.6, look.dash);
@@ -113,7 +112,7 @@ fn draw_group(page: &mut Page, panel: &Panel, group: &Group) {
         }
         let half = 0.5 * (rate.slope_high - rate.slope_low);
         let slope = format!("{:.3}", rate.slope).replace('-', "−");
-        let text = format!("{}: slope {slope} ± {half:.3}", shown(*strategy));
+        let text = format!("{}: slope {slope} ± {half:.3}", shown_of(strategy));
         legend
             .push((Key::Line { colour: look.colour, width: 1.6, dash: look.dash, marker: Some(look.marker) }, text));
     }
@@ -122,11 +121,11 @@ fn draw_group(page: &mut Page, panel: &Panel, group: &Group) {
 
 /// Each expected slope once, beside the curves that it belongs to: the shallowest above all data, the others below.
 fn draw_guides(page: &mut Page, panel: &Panel, group: &Group) {
-    let mut slopes: Vec<f64> = group.rates.iter().map(|(_, r)| r.asymptote).collect();
+    let mut slopes: Vec<f64> = group.rates.iter().filter_map(|(_, r)| r.asymptote()).collect();
     slopes.sort_by(|a, b| b.total_cmp(a));
     slopes.dedup();
     for (k, slope) in slopes.iter().enumerate() {
-        let own = || group.rates.iter().filter(|(_, r)| r.asymptote == *slope).flat_map(|(_, r)| positive(r));
+        let own = || group.rates.iter().filter(|(_, r)| r.asymptote() == Some(*slope)).flat_map(|(_, r)| positive(r));
         let last = own().map(|p| p.0).max().unwrap_or(1) as f64;
         let first = own().map(|p| p.0).min().unwrap_or(1) as f64;
         // Through the point that leaves all of the curve on one side.

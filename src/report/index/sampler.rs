@@ -1,0 +1,253 @@
+//! The question that most readers come with: which sampler for soft shadows, and why? Answered from the run's own penumbras.
+
+use std::fmt::Write as _;
+
+use crate::oracle::Region;
+use crate::report::page::{escaped, two_digits};
+use crate::report::record::{CaseRecord, RateRecord, ReportRecord, StrategyRecord};
+use crate::sampling::Strategy;
+use crate::statistics::Verdict;
+
+/// What others are held against.
+const BASE: &str = "random";
+/// Less noise than this share of the base's is worth a recommendation.
+const WORTH: f64 = 0.9;
+/// Errors of neighbours that go together like this show as shapes, not as grain.
+const TOGETHER: f64 = 0.5;
+
+/// One strategy over all penumbras that it was run in.
+pub struct Compared {
+    pub name: String,
+    pub cases: usize,
+    /// Variance over the base's at the same N: median, least and largest of the cases.
+    pub ratio: [f64; 3],
+    /// N that has the base's variance at the shown N, by the fitted lines: median.
+    pub samples_for_same: f64,
+    pub slope: f64,
+    pub expected_slope: f64,
+    /// Of the errors of the nearest points: median; `None` where it was not measured.
+    pub neighbours: Option<f64>,
+    pub has_failed: bool,
+}
+
+/// All strategies in the penumbras that the base was measured in, quietest first, and the N of the comparison.
+pub fn compared(record: &ReportRecord) -> Option<(u64, Vec<Compared>)> {
+    let samples = record
+        .cases
+        .iter()
+        .filter(|case| penumbra(case, BASE).is_some())
+        .filter_map(super::data::shown_samples)
+        .min()?;
+    let mut names: Vec<&str> = Vec::new();
+    for strategy in record.cases.iter().flat_map(|case| &case.strategies) {
+        if !names.contains(&strategy.name.as_str()) {
+            names.push(&strategy.name);
+        }
+    }
+    let mut all: Vec<Compared> = names.iter().filter_map(|name| over_cases(record, name, samples)).collect();
+    all.sort_by(|a, b| a.ratio[0].total_cmp(&b.ratio[0]));
+    (all.len() > 1).then_some((samples, all))
+}
+
+fn made<'a>(case: &'a CaseRecord, name: &str) -> Option<&'a StrategyRecord> {
+    case.strategies.iter().find(|strategy| strategy.name == name)
+}
+
+/// The variance curve over the penumbra of a case.
+fn penumbra<'a>(case: &'a CaseRecord, name: &str) -> Option<&'a RateRecord> {
+    made(case, name)?.rates.iter().find(|r| r.quantity == "variance" && r.region == Some(Region::Penumbra))
+}
+
+fn over_cases(record: &ReportRecord, name: &str, samples: u64) -> Option<Compared> {
+    let (mut ratios, mut same, mut slopes, mut expected, mut neighbours) = (vec![], vec![], vec![], vec![], vec![]);
+    let mut has_failed = false;
+    for case in &record.cases {
+        let (Some(own), Some(base)) = (penumbra(case, name), penumbra(case, BASE)) else { continue };
+        let at = |rate: &RateRecord| rate.points.iter().find(|p| p.samples == samples).map(|p| p.value);
+        let (Some(variance), Some(of_base)) = (at(own), at(base)) else { continue };
+        if of_base <= 0.0 {
+            continue;
+        }
+        ratios.push(variance / of_base);
+        slopes.push(own.slope);
+        expected.push(own.expected_slope);
+        if let Some(line) = own.line.filter(|_| own.slope < 0.0) {
+            same.push(((of_base.ln() - line.intercept) / own.slope).exp());
+        }
+        let judged = case.verdicts.iter().filter(|judged| judged.strategy == name);
+        has_failed |= judged.into_iter().any(|judged| judged.verdict == Verdict::Fail);
+        let correlations = made(case, name).map_or(&[][..], |made| &made.correlations);
+        let nearest = correlations.iter().filter(|c| c.samples == samples);
+        if let Some(nearest) = nearest.min_by(|a, b| a.separation.total_cmp(&b.separation)) {
+            neighbours.push(nearest.correlation);
+        }
+    }
+    let least = ratios.iter().copied().fold(f64::INFINITY, f64::min);
+    let largest = ratios.iter().copied().fold(0.0, f64::max);
+    Some(Compared {
+        name: name.to_owned(),
+        cases: ratios.len(),
+        ratio: [median(&mut ratios)?, least, largest],
+        samples_for_same: median(&mut same)?,
+        slope: median(&mut slopes)?,
+        expected_slope: median(&mut expected)?,
+        neighbours: median(&mut neighbours),
+        has_failed,
+    })
+}
+
+/// The first penumbra that there are pictures of, exact and by each strategy side by side.
+fn beside(record: &ReportRecord, pictures: &dyn Fn(usize) -> Vec<(String, Vec<u8>)>) -> String {
+    let penumbras = (0..record.cases.len()).filter(|k| penumbra(&record.cases[*k], BASE).is_some());
+    let shown = penumbras.map(|k| (k, pictures(k))).find(|(_, pictures)| pictures.len() > 2);
+    let Some((k, pictures)) = shown else { return String::new() };
+    let figures: String = pictures
+        .iter()
+        .filter(|(name, _)| !name.starts_with("error"))
+        .map(|(name, png)| {
+            format!(
+                "<figure><img alt=\"The receiver of {}: {}\" src=\"data:image/png;base64,{}\"><figcaption>{}</figcaption></figure>",
+                escaped(&record.cases[k].name),
+                escaped(name),
+                super::base64(png),
+                escaped(name),
+            )
+        })
+        .collect();
+    format!(
+        "<p>Below: the receiver of <a href=\"#case-{k}\">{}</a>, exact and with 16 samples a pixel.</p>\n\
+         <div class=\"beside\">{figures}</div>\n",
+        escaped(&record.cases[k].name)
+    )
+}
+
+pub fn median(values: &mut [f64]) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    let n = values.len();
+    match n {
+        0 => None,
+        _ if n % 2 == 1 => Some(values[n / 2]),
+        _ => Some(0.5 * (values[n / 2 - 1] + values[n / 2])),
+    }
+}
+
+/// What people read for a strategy.
+pub fn shown(name: &str) -> String {
+    if name == "correlated" { "shared points".to_owned() } else { name.to_owned() }
+}
+
+/// Why a strategy's noise falls as it does in a penumbra.
+fn reason(name: &str) -> &'static str {
+    match Strategy::from_name(name) {
+        Some(Strategy::Stratified | Strategy::UniformJitter | Strategy::MultiJittered | Strategy::Sobol) => {
+            "Each of its N points has a cell of the source for itself. Cells that a shadow’s edge does not cut are hardly noisy; \
+             only some √N of the N cells are cut. So variance falls like N⁻³ᐟ² in a penumbra (and like N⁻² in the light, where \
+             nothing is cut), while points thrown without such cells leave gaps and clumps and fall like N⁻¹."
+        }
+        Some(Strategy::LatinHypercube) => {
+            "It fills rows and columns evenly; that helps where light varies along one axis of the source at a time."
+        }
+        Some(Strategy::SolidAngle | Strategy::Cosine | Strategy::MisBalance | Strategy::MisPower) => {
+            "It chooses directions rather than places on the source, so that no sample counts for much more than another; the \
+             shadow’s edge stays, and with it the slope −1."
+        }
+        _ => "",
+    }
+}
+
+/// The section; empty where no penumbra was measured with more than one strategy.
+pub fn section(record: &ReportRecord, pictures: &dyn Fn(usize) -> Vec<(String, Vec<u8>)>) -> String {
+    let Some((samples, all)) = compared(record) else { return String::new() };
+    let most = all.iter().map(|one| one.cases).max().unwrap_or(0);
+    let penumbras = if most == 1 { "the one penumbra".to_owned() } else { format!("the {most} penumbras") };
+    let mut html = String::from("<section id=\"sampler\">\n<h2>Which sampler for soft shadows?</h2>\n");
+    let sound: Vec<&Compared> = all.iter().filter(|one| !one.has_failed).collect();
+    match sound.first() {
+        Some(best) if best.name != BASE && best.ratio[0] < WORTH => {
+            let share = best.ratio[0];
+            let _ = write!(
+                html,
+                "<p class=\"answer\"><b>Use <span class=\"s-{0}\">{1}</span> points.</b> In {penumbras} of this run they have \
+                 {2} times less variance than random points at N = {samples}: {3} of them are as good as {samples} random \
+                 ones.</p>\n<p>{4}</p>\n",
+                class(&best.name),
+                escaped(&shown(&best.name)),
+                two_digits(1.0 / share),
+                best.samples_for_same.round().max(1.0),
+                reason(&best.name),
+            );
+        }
+        Some(_) => {
+            let _ = writeln!(
+                html,
+                "<p class=\"answer\"><b>None of these does better than random points</b> in {penumbras} of this run at \
+                 N = {samples}.</p>"
+            );
+        }
+        None => {
+            html +=
+                "<p class=\"answer\"><b>Every strategy has a failed verdict in a penumbra</b>: mend that first.</p>\n"
+        }
+    }
+    for one in all.iter().filter(|one| one.has_failed) {
+        let _ = writeln!(
+            html,
+            "<p><b>Not {}</b>: a verdict on it failed in a penumbra (below).</p>",
+            escaped(&shown(&one.name))
+        );
+    }
+    for one in all.iter().filter(|one| one.neighbours.is_some_and(|together| together > TOGETHER)) {
+        let _ = writeln!(
+            html,
+            "<p><b>Beware of {}:</b> at a point they are {}, but neighbouring points err together (correlation {:.2}; 0 for \
+             fresh points). The error is no grain that an eye or a filter averages away: the shadow’s edge breaks into \
+             ghost edges, one for each point on the source.</p>",
+            escaped(&shown(&one.name)),
+            if one.ratio[0] > WORTH { "as noisy as random ones" } else { "less noisy than random ones" },
+            one.neighbours.unwrap_or_default(),
+        );
+    }
+    html += &beside(record, pictures);
+    html += "<div class=\"wide\"><table class=\"samplers\"><thead><tr><th scope=\"col\">strategy</th>";
+    let _ = write!(
+        html,
+        "<th scope=\"col\">variance, random = 1<br><span class=\"unit\">N = {samples}; median (range)</span></th>\
+         <th scope=\"col\">as good as {samples}<br>random ones</th><th scope=\"col\">slope<br>\
+         <span class=\"unit\">measured / expected</span></th><th scope=\"col\">neighbours’<br>errors correlate</th>\
+         <th scope=\"col\">verdicts</th></tr></thead><tbody>"
+    );
+    for one in &all {
+        let range = if one.cases > 1 {
+            format!(" <span class=\"note\">({}–{})</span>", two_digits(one.ratio[1]), two_digits(one.ratio[2]))
+        } else {
+            String::new()
+        };
+        let _ = write!(
+            html,
+            "<tr><th scope=\"row\"><span class=\"s-{}\">{}</span></th><td>{}{range}</td><td>{:.0}</td>\
+             <td>{} / {}</td><td>{}</td><td>{}</td></tr>",
+            class(&one.name),
+            escaped(&shown(&one.name)),
+            two_digits(one.ratio[0]),
+            if one.name == BASE { samples as f64 } else { one.samples_for_same.round().max(1.0) },
+            minus(format!("{:.2}", one.slope)),
+            minus(format!("{:.2}", one.expected_slope)),
+            one.neighbours.map_or("–".to_owned(), |x| minus(format!("{x:.2}")).replace("−0.00", "0.00")),
+            if one.has_failed { "<b class=\"fail\">fail</b>" } else { "pass" },
+        );
+    }
+    html += "</tbody></table></div>\n";
+    html += "<div class=\"figs\"><figure class=\"fig\" data-chart=\"ratios\"><h4>Noise in penumbras, relative to random</h4>\
+             <figcaption>Variance over that of random points with as many samples, median over the cases. Below 1 is better. \
+             <a href=\"curves.csv\">curves.csv</a></figcaption></figure>\n";
+    html + "</div>\n</section>\n"
+}
+
+pub fn minus(text: String) -> String {
+    text.replace('-', "−")
+}
+
+/// A name that a style sheet can have, whatever a guest is called.
+pub fn class(name: &str) -> &str {
+    Strategy::from_name(name).map_or("guest", Strategy::name)
+}
