@@ -3,7 +3,7 @@
 use super::axis::Axis;
 use super::bias::NORMAL_95;
 use super::ink::{Align, Page};
-use super::panel::{HEIGHT, Key, Panel, WIDTH, legend_rows, titled_page};
+use super::panel::{HEIGHT, Key, Panel, WIDTH, legend_rows, note, titled_page};
 use super::style::{Colour, Dash, GREY, INK, SMALL, TEXT, look_of, shown_of};
 use super::text::text_width;
 use crate::configuration::Arrangement;
@@ -29,7 +29,10 @@ pub fn profile(case: &CaseOutcome) -> Option<Page> {
 
     let what = format!("{}: irradiance at N = {samples}, {} replicates", case.name, replicates(&shown_cells));
     let mut page = titled_page(&case.title, &what);
-    let x = if line { Axis::linear(along[0], along[along.len() - 1], false, 8) } else { indices(along.len()) };
+    // A line has some room at its ends: marks stand there.
+    let (first, last) = (along[0], along[along.len() - 1]);
+    let room = 0.012 * (last - first);
+    let x = if line { Axis::linear(first - room, last + room, false, 8) } else { indices(along.len()) };
     let noise = |c: &Cell, i: usize| c.points[i].variance.sqrt();
     let reach = |c: &Cell, i: usize| c.points[i].bias.abs() + NORMAL_95 * c.points[i].bias_std_error;
     let (mut top, mut largest) = (exact.iter().copied().fold(0.0, f64::max), 0.0f64);
@@ -105,12 +108,12 @@ pub fn profile(case: &CaseOutcome) -> Option<Page> {
         upper.curve(&mut page, along.iter().copied().zip(exact.iter().copied()), INK, 1.4, Dash::Solid);
     }
     legend_rows(&mut page, (upper.left, HEIGHT - 56.0), upper.right - upper.left, &legend);
-    let note = if line {
+    let words = if line {
         "Above: marks are means (some shown), bands ±1 standard deviation of one estimate. Below: ±1.96 standard errors."
     } else {
         "Above: marks are means, bars ±1 standard deviation of one estimate. Below: ±1.96 standard errors of the mean."
     };
-    page.text((24.0, page.height - 18.0), note, SMALL, GREY, Align::Start);
+    note(&mut page, words);
     Some(page)
 }
 

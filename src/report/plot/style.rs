@@ -7,9 +7,10 @@ use crate::trial::StrategyOutcome;
 
 pub type Colour = RGBColor;
 
-/// The family that an SVG asks for; Verdana has the same widths as the embedded font.
-pub const FONT: &str = "DejaVu Sans, Verdana, sans-serif";
+/// The family of the unseen words of an SVG; Verdana has the same widths as the embedded font.
+pub const FONT: &str = "DejaVu Sans,Verdana,sans-serif";
 
+pub const PAPER: Colour = RGBColor(0xff, 0xff, 0xff);
 pub const INK: Colour = RGBColor(0x22, 0x22, 0x22);
 pub const GREY: Colour = RGBColor(0x66, 0x66, 0x66);
 pub const GUIDE: Colour = RGBColor(0x99, 0x99, 0x99);
