@@ -78,6 +78,10 @@ pub fn caustic(case: &CaseOutcome) -> Option<Page> {
             }
             page.marker(upper.at(ring.middle(), ring.measured), look.marker, look.colour, 3.4);
         }
+        if rings(*order).all(|ring| !inside(ring.measured)) {
+            // No ray came so far: there is no mark to tell of.
+            continue;
+        }
         let name = if *order == 1 { "1 interaction".to_owned() } else { format!("{order} interactions") };
         legend.push((Key::Bar { colour: look.colour, marker: look.marker }, name));
     }
@@ -87,7 +91,7 @@ pub fn caustic(case: &CaseOutcome) -> Option<Page> {
         .collect();
     let most = pulls.iter().map(|(_, pull)| pull.abs()).fold(3.0, f64::max);
     let lower = Panel { left, top: 372.0, right, bottom: 488.0, x, y: Axis::linear(-most, most, true, 4) };
-    lower.draw(&mut page, "radius (m)", "deviation (std. errors)");
+    lower.draw(&mut page, "radius (m)", "deviation (standard errors)");
     for level in [-NORMAL_95, 0.0, NORMAL_95] {
         let colour = if level == 0.0 { INK } else { GUIDE };
         lower.curve(&mut page, [(0.0, level), (farthest, level)], colour, 1.0, Dash::Solid);

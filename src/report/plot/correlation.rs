@@ -19,8 +19,8 @@ pub fn correlation(case: &CaseOutcome) -> Option<Page> {
         return None;
     }
     let low = all().map(|c| c.low).fold(-0.2, f64::min).max(-1.0);
-    let high = all().map(|c| c.high).fold(0.2, f64::max).min(1.0);
-    let y = Axis::linear(low, high, true, 8);
+    let high = all().map(|c| 1.04 * c.high).fold(0.2, f64::max).min(1.0);
+    let y = Axis::linear(low, high, true, 7);
     let shows = format!("{}: correlation between the errors of two points, by their distance", case.name);
     let mut page = titled_page(&case.title, &shows);
     let columns = strategies.len().min(MOST_COLUMNS);
@@ -33,7 +33,7 @@ pub fn correlation(case: &CaseOutcome) -> Option<Page> {
         let (from, top) = (left + (width + gap) * column as f64, 92.0 + ROW * row as f64);
         // Room at both ends, for marks; points at one and the same place have no other separation.
         let room = if farthest > 0.0 { 0.02 * farthest } else { 1.0 };
-        let mut x = Axis::linear(-room, farthest + room, false, if n > 1.0 { 4 } else { 8 });
+        let mut x = Axis::linear(-room, farthest + room, false, if n > 1.0 { 5 } else { 10 });
         x.ticks.retain(|(separation, _)| (0.0..=1.001 * farthest).contains(separation));
         let y = if column == 0 { y.clone() } else { y.unlabelled() };
         let panel = Panel { left: from, top, right: from + width, bottom: top + HEIGHT - 238.0, x, y };
@@ -70,7 +70,8 @@ fn draw_strategy(page: &mut Page, panel: &Panel, strategy: &StrategyOutcome, is_
             panel.curve(page, curve.iter().map(|c| (c.separation, c.correlation)), look.colour, 1.5, look.dash);
         }
         let every = if is_curve { curve.len().div_ceil(10).max(1) } else { 1 };
-        let aside = if is_curve { 0.0 } else { ASIDE * (k as f64 - 0.5 * (counts.len() as f64 - 1.0)) };
+        let apart = if curve.len() > 1 { ASIDE } else { 5.0 * ASIDE };
+        let aside = if is_curve { 0.0 } else { apart * (k as f64 - 0.5 * (counts.len() as f64 - 1.0)) };
         for c in curve.iter().skip(k * every / counts.len()).step_by(every) {
             if !is_curve {
                 panel.bar(page, (c.separation, c.low, c.high), aside, 0.0, look.colour);
@@ -118,7 +119,7 @@ fn shade(look: Look, k: usize) -> Look {
     let mixed = |c: u8, with: u8, share: f64| (f64::from(c) * (1.0 - share) + f64::from(with) * share).round() as u8;
     let Colour { 0: r, 1: g, 2: b } = look.colour;
     let (with, share) = [(255, 0.45), (0, 0.0), (0, 0.45)][k % 3];
-    let colour = plotters::style::RGBColor(mixed(r, with, share), mixed(g, with, share), mixed(b, with, share));
+    let colour = Colour(mixed(r, with, share), mixed(g, with, share), mixed(b, with, share));
     let (marker, dash) =
         [(Marker::Circle, Dash::Solid), (Marker::Square, Dash::Dashed), (Marker::Diamond, Dash::Alternating)][k % 3];
     Look { colour, marker, dash }

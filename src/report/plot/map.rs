@@ -70,7 +70,12 @@ pub fn map(case: &CaseOutcome) -> Option<Page> {
         };
         draw_map(&mut page, corner, size, &extent, (nu, nv), &values, &scale, (heading, unit));
     }
-    note(&mut page, "Grey: no light is due there.");
+    let dark = exact.contains(&0.0);
+    if dark {
+        note(&mut page, "Grey: no light is due there.");
+    } else {
+        page.height -= 16.0;
+    }
     Some(page)
 }
 

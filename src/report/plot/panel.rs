@@ -96,7 +96,17 @@ impl Panel {
         let middle = 0.5 * (self.left + self.right);
         page.text((middle, self.bottom + 34.0), self.x.named(x_name), TEXT, INK, Align::Middle);
         let aside = (self.left - 20.0 - widest).max(14.0);
-        page.upwards((aside, 0.5 * (self.top + self.bottom)), self.y.named(y_name), TEXT, INK, Align::Middle);
+        let (height, name) = (self.bottom - self.top, self.y.named(y_name));
+        let middle = 0.5 * (self.top + self.bottom);
+        // A name too long for the axis has its unit on a line of its own.
+        match name.rfind(" (").filter(|_| text_width(&name, TEXT, false) > height) {
+            Some(cut) => {
+                let above = (aside - 16.0).max(12.0);
+                page.upwards((above, middle), &name[..cut], TEXT, INK, Align::Middle);
+                page.upwards((above + 16.0, middle), &name[cut + 1..], TEXT, INK, Align::Middle);
+            }
+            None => page.upwards((aside, middle), name, TEXT, INK, Align::Middle),
+        }
     }
 
     /// The left and the lower edge.
@@ -213,16 +223,14 @@ pub fn legend_column(page: &mut Page, (x, y): At, entries: &[(Key, String)]) {
     }
 }
 
-/// Entries side by side within a width, in as many rows as it takes; from the third on the page grows.
+/// Entries side by side within a width, in as many rows as it takes; for which the page grows.
 pub fn legend_rows(page: &mut Page, (left, top): At, width: f64, entries: &[(Key, String)]) {
     let (mut x, mut y) = (left, top);
     for (key, text) in entries {
         let long = key.width() + text_width(text, SMALL, false) + 22.0;
         if x > left && x + long > left + width {
             (x, y) = (left, y + LEGEND_LINE);
-            if y > top + 1.5 * LEGEND_LINE {
-                page.height += LEGEND_LINE;
-            }
+            page.height += if y > top + 1.5 * LEGEND_LINE { LEGEND_LINE } else { 8.0 };
         }
         draw_entry(page, (x, y), *key, text);
         x += long;

@@ -10,8 +10,6 @@ use crate::configuration::Arrangement;
 use crate::oracle::Region;
 use crate::trial::{CaseOutcome, Cell, StrategyOutcome};
 
-use plotters::style::RGBColor;
-
 /// The sample count that is shown is the measured one nearest to this.
 const SHOWN_SAMPLES: f64 = 64.0;
 
@@ -66,7 +64,7 @@ pub fn profile(case: &CaseOutcome) -> Option<Page> {
     // The room of one point, when points stand side by side.
     let slot = (right - left) / along.len() as f64;
     let n = shown_cells.len().max(1);
-    let apart = if line { 3.0 } else { (0.8 * slot / n as f64).min(16.0) };
+    let apart = (0.8 * slot / n as f64).min(if line { 3.0 } else { 16.0 });
     if !line {
         for (place, value) in along.iter().zip(&exact) {
             let (x, y) = upper.at(*place, *value);
@@ -109,7 +107,7 @@ pub fn profile(case: &CaseOutcome) -> Option<Page> {
     }
     legend_rows(&mut page, (upper.left, HEIGHT - 56.0), upper.right - upper.left, &legend);
     let words = if line {
-        "Above: marks are means (some shown), bands ±1 standard deviation of one estimate. Below: ±1.96 standard errors."
+        "Above: marks are means (some shown), bands ±1 standard deviation of one estimate. Below: mean less exact, ±1.96 standard errors."
     } else {
         "Above: marks are means, bars ±1 standard deviation of one estimate. Below: ±1.96 standard errors of the mean."
     };
@@ -173,11 +171,11 @@ fn indices(n: usize) -> Axis {
 
 fn shade(region: Region) -> (Colour, &'static str) {
     match region {
-        Region::Lit => (RGBColor(0xff, 0xff, 0xff), "lit"),
-        Region::Penumbra => (RGBColor(0xf3, 0xf3, 0xf3), "penumbra"),
-        Region::Umbra => (RGBColor(0xe2, 0xe2, 0xe2), "umbra"),
-        Region::BelowHorizon => (RGBColor(0xe6, 0xea, 0xf0), "below horizon"),
-        Region::Edge => (RGBColor(0xf6, 0xee, 0xdd), "edge"),
+        Region::Lit => (Colour(0xff, 0xff, 0xff), "lit"),
+        Region::Penumbra => (Colour(0xf3, 0xf3, 0xf3), "penumbra"),
+        Region::Umbra => (Colour(0xe2, 0xe2, 0xe2), "umbra"),
+        Region::BelowHorizon => (Colour(0xe6, 0xea, 0xf0), "below horizon"),
+        Region::Edge => (Colour(0xf6, 0xee, 0xdd), "edge"),
     }
 }
 

@@ -201,7 +201,7 @@ fn raster(out: &mut String, at: At, size: (f64, f64), columns: usize, colours: &
     }
     out.push_str("<g shape-rendering=\"crispEdges\">\n");
     for ([r, g, b], d) in by_colour {
-        writeln!(out, "<path fill=\"{}\" d=\"{d}\"/>", hex(plotters::style::RGBColor(r, g, b))).expect(IN_MEMORY);
+        writeln!(out, "<path fill=\"{}\" d=\"{d}\"/>", hex(Colour(r, g, b))).expect(IN_MEMORY);
     }
     out.push_str("</g>\n");
 }

@@ -86,6 +86,7 @@ pub fn outline(letter: char, bold: bool) -> String {
             step(&mut path, 'M', (0, 0), &[from]);
         }
         match curve {
+            OutlineCurve::Line(_, to) if whole(to) == from => {}
             OutlineCurve::Line(_, to) if whole(to).0 == from.0 => {
                 write!(path, "v{}", whole(to).1 - from.1).expect("writing to memory succeeds");
                 from = whole(to);
