@@ -66,7 +66,7 @@ const RESERVED: &[(&str, &[&str])] = &[
     ("rand", &["sampling/", "trial/"]),
     ("rayon", &["trial/", "calibration/", "eye/", "light/", "path/", "threads/", "report/plot/", "cli/"]),
     ("pulp", &["number/eight.rs", "scene/hierarchy.rs", "scene/wide.rs"]),
-    ("plotters", &["report/plot/"]),
+    ("ab_glyph", &["report/plot/text.rs"]),
     ("csv", &["report/"]),
     ("quick_junit", &["report/junit.rs"]),
     ("toml", &["case/"]),

@@ -19,6 +19,8 @@ pub struct Axis {
     high: f64,
     /// Values with their labels; an empty label is a tick without one.
     pub ticks: Vec<(f64, String)>,
+    /// Labels are in units of this power of ten, which the axis' name must say: [`Axis::named`].
+    power: i32,
 }
 
 impl Axis {
@@ -32,35 +34,48 @@ impl Axis {
         let first = (low / step - 1e-9).ceil() as i64;
         let last = (high / step + 1e-9).floor() as i64;
         let values = (first..=last).map(|k| k as f64 * step);
-        let largest = low.abs().max(high.abs());
-        Axis { scale: Scale::Linear, low, high, ticks: values.map(|v| (v, linear_label(v, step, largest))).collect() }
+        let power = common_power(low.abs().max(high.abs()), step);
+        let ticks = values.map(|v| (v, linear_label(v, step, power))).collect();
+        Axis { scale: Scale::Linear, low, high, ticks, power }
     }
 
-    /// Powers of ten; both ends > 0. Below two decades also twos and fives.
+    /// Powers of ten; both ends > 0. Below two decades also twos and fives, and what it takes to have two.
     pub fn log(low: f64, high: f64, about: usize) -> Axis {
         let (first, last) = (low.log10(), high.log10());
         let decades = last - first;
         let every = (decades / about as f64).ceil().max(1.0) as i32;
-        let mut ticks = Vec::new();
-        for exponent in first.floor() as i32..=last.ceil() as i32 {
-            let power = 10f64.powi(exponent);
-            let label = if exponent.rem_euclid(every) == 0 { power_label(exponent) } else { String::new() };
-            ticks.push((power, label));
-            if decades < 2.0 {
-                for factor in [2, 5] {
-                    ticks.push((f64::from(factor) * power, format!("{factor}·{}", power_label(exponent))));
-                }
-            }
-        }
-        ticks.retain(|(v, _)| (low * (1.0 - 1e-9)..=high * (1.0 + 1e-9)).contains(v));
-        Axis { scale: Scale::Log, low, high, ticks }
+        let shown = |v: f64| (low * (1.0 - 1e-9)..=high * (1.0 + 1e-9)).contains(&v);
+        let is_plain = low >= 0.5 * SMALLEST_PLAIN && high < LARGEST_PLAIN && decades < 3.0;
+        let ticks = |factors: &[u32]| -> Vec<(f64, String)> {
+            let exponents = first.floor() as i32..=last.ceil() as i32;
+            let all = exponents.flat_map(|exponent| factors.iter().map(move |factor| (*factor, exponent)));
+            let label = |factor: u32, exponent: i32| match factor {
+                _ if is_plain => plain_label(factor, exponent),
+                1 if exponent.rem_euclid(every) != 0 => String::new(),
+                1 => power_label(exponent),
+                _ => format!("{factor}·{}", power_label(exponent)),
+            };
+            let valued = all.map(|(factor, exponent)| (f64::from(factor) * 10f64.powi(exponent), factor, exponent));
+            valued.filter(|(v, ..)| shown(*v)).map(|(v, factor, exponent)| (v, label(factor, exponent))).collect()
+        };
+        let choices: [&[u32]; 2] = [if decades < 2.0 { &[1, 2, 5] } else { &[1] }, &[1, 2, 3, 4, 5, 6, 7, 8, 9]];
+        let chosen = choices.into_iter().map(ticks).find(|ticks| ticks.len() > 1);
+        // Too short for that: the ticks of a linear axis.
+        let (ticks, power) = chosen.map_or_else(
+            || {
+                let linear = Axis::linear(low, high, false, 4);
+                (linear.ticks, linear.power)
+            },
+            |ticks| (ticks, 0),
+        );
+        Axis { scale: Scale::Log, low, high, ticks, power }
     }
 
     /// A logarithmic axis of sample counts, labelled where they are; `room` to the left and right as a factor.
     pub fn samples(counts: &[u64], room: (f64, f64), length: f64) -> Axis {
         let low = counts.iter().copied().min().unwrap_or(1).max(1) as f64 / room.0;
         let high = counts.iter().copied().max().unwrap_or(1).max(1) as f64 * room.1;
-        let mut axis = Axis { scale: Scale::Log, low, high, ticks: Vec::new() };
+        let mut axis = Axis { scale: Scale::Log, low, high, ticks: Vec::new(), power: 0 };
         let mut free = f64::NEG_INFINITY;
         for &count in counts {
             let text = count.to_string();
@@ -82,15 +97,17 @@ impl Axis {
         }
         let decades = linear_to.log10().ceil() as i32..=largest.log10().floor() as i32;
         let every = (decades.clone().count() as f64 / 4.0).ceil().max(1.0) as i32;
+        let is_plain = linear_to >= SMALLEST_PLAIN && largest < LARGEST_PLAIN;
         let mut ticks = vec![(0.0, "0".to_owned())];
         for exponent in decades.clone() {
             let power = 10f64.powi(exponent);
             let named = (decades.end() - exponent) % every == 0;
-            let label = |sign: &str| if named { format!("{sign}{}", power_label(exponent)) } else { String::new() };
+            let words = if is_plain { plain_label(1, exponent) } else { power_label(exponent) };
+            let label = |sign: &str| if named { format!("{sign}{words}") } else { String::new() };
             ticks.push((power, label("+")));
             ticks.push((-power, label("−")));
         }
-        Axis { scale: Scale::SymmetricLog { linear_to }, low: -largest, high: largest, ticks }
+        Axis { scale: Scale::SymmetricLog { linear_to }, low: -largest, high: largest, ticks, power: 0 }
     }
 
     /// Where a value lies: 0 at the low end, 1 at the high end.
@@ -107,6 +124,19 @@ impl Axis {
     }
     pub fn high(&self) -> f64 {
         self.high
+    }
+    /// A name with its unit in brackets, and in it the power of ten that the labels leave out: `E (10⁻⁴ W/m²)`.
+    pub fn named(&self, name: &str) -> String {
+        match (self.power, name.rfind('(')) {
+            (0, _) => name.to_owned(),
+            _ if name.is_empty() => String::new(),
+            (_, None) => format!("{name} ({})", power_label(self.power)),
+            (_, Some(at)) => format!("{}({} {}", &name[..at], power_label(self.power), &name[at + 1..]),
+        }
+    }
+    /// A unit that stands by itself, with that power: `10⁻⁴ W/m²`.
+    pub fn unit(&self, unit: &str) -> String {
+        if self.power == 0 { unit.to_owned() } else { format!("{} {unit}", power_label(self.power)) }
     }
     /// The same axis without words.
     pub fn unlabelled(&self) -> Axis {
@@ -126,19 +156,34 @@ fn pleasant_step(rough: f64) -> f64 {
     [1.0, 2.0, 5.0, 10.0].into_iter().map(|m| m * power).find(|s| *s >= rough * (1.0 - 1e-9)).unwrap_or(10.0 * power)
 }
 
-/// `0.25`, or `2.5·10⁻⁷` where zeros would crowd it.
-fn linear_label(value: f64, step: f64, largest: f64) -> String {
+/// The power of ten that labels up to `largest` are given in; 0 where plain numbers are short.
+fn common_power(largest: f64, step: f64) -> i32 {
+    let exponent = largest.log10().floor() as i32;
+    if (-3..5).contains(&exponent) && decimals(step) <= 3 { 0 } else { exponent }
+}
+
+/// Digits after the point that tell multiples of a step apart.
+fn decimals(step: f64) -> usize {
+    (-(step.log10() + 1e-9).floor()).max(0.0) as usize
+}
+
+/// `0.25`, without a power of ten that all labels share.
+fn linear_label(value: f64, step: f64, power: i32) -> String {
     if value.abs() < 1e-9 * step {
         return "0".to_owned();
     }
-    let exponent = largest.log10().floor() as i32;
-    let minus = |s: String| s.replace('-', "−");
-    if (-3..5).contains(&exponent) {
-        let decimals = (-step.log10().floor()).max(0.0) as usize;
-        return minus(format!("{value:.decimals$}"));
-    }
-    let decimals = (f64::from(exponent) - step.log10().floor()).max(0.0) as usize;
-    minus(format!("{:.decimals$}·{}", value / 10f64.powi(exponent), power_label(exponent)))
+    let unit = 10f64.powi(power);
+    format!("{:.*}", decimals(step / unit), value / unit).replace('-', "−")
+}
+
+/// What logarithmic axes label by plain numbers reaches so far.
+const SMALLEST_PLAIN: f64 = 1e-3;
+const LARGEST_PLAIN: f64 = 1e4;
+
+/// `20`, `0.005`.
+fn plain_label(factor: u32, exponent: i32) -> String {
+    let decimals = (-exponent).max(0) as usize;
+    format!("{:.decimals$}", f64::from(factor) * 10f64.powi(exponent))
 }
 
 /// `10⁻⁵`.
@@ -172,11 +217,25 @@ mod tests {
     fn ticks_are_what_a_person_would_choose() {
         assert_eq!(labels(&Axis::linear(0.0, 1.5, false, 6)), ["0", "0.5", "1.0", "1.5"]);
         assert_eq!(labels(&Axis::linear(-0.03, 0.05, true, 4)), ["−0.04", "−0.02", "0", "0.02", "0.04", "0.06"]);
-        assert_eq!(labels(&Axis::linear(0.0, 4e-7, true, 4)), ["0", "1·10⁻⁷", "2·10⁻⁷", "3·10⁻⁷", "4·10⁻⁷"]);
+        assert_eq!(labels(&Axis::linear(0.0, 4e-7, true, 4)), ["0", "1", "2", "3", "4"]);
+        assert_eq!(labels(&Axis::linear(-0.001, 0.001, true, 4)), ["−1.0", "−0.5", "0", "0.5", "1.0"]);
         assert_eq!(labels(&Axis::log(2e-7, 3e-3, 6)), ["10⁻⁶", "10⁻⁵", "10⁻⁴", "10⁻³"]);
-        assert_eq!(labels(&Axis::log(0.8, 30.0, 6)), ["1", "2·1", "5·1", "10¹", "2·10¹"]);
+        assert_eq!(labels(&Axis::log(0.8, 30.0, 6)), ["1", "2", "5", "10", "20"]);
+        assert_eq!(labels(&Axis::log(0.013, 0.18, 6)), ["0.02", "0.05", "0.1"]);
+        assert_eq!(labels(&Axis::log(3e-6, 3e-5, 6)), ["5·10⁻⁶", "10⁻⁵", "2·10⁻⁵"]);
+        assert_eq!(labels(&Axis::log(2.1, 4.9, 6)), ["3", "4"]);
+        assert_eq!(labels(&Axis::log(2.1, 2.7, 6)), ["2.2", "2.4", "2.6"]);
         assert_eq!(labels(&Axis::samples(&[1, 4, 16, 1024], (1.2, 1.2), 300.0)), ["1", "4", "16", "1024"]);
         assert_eq!(labels(&Axis::symmetric(2e-2, 1e-4)).len(), 7);
+        assert_eq!(labels(&Axis::symmetric(1.5, 0.01)), ["0", "+0.01", "−0.01", "+0.1", "−0.1", "+1", "−1"]);
+    }
+
+    #[test]
+    fn what_labels_leave_out_the_name_says() {
+        let small = Axis::linear(0.0, 4e-7, true, 4);
+        assert_eq!(small.named("irradiance (W/m²)"), "irradiance (10⁻⁷ W/m²)");
+        assert_eq!((small.named("share"), small.named("")), ("share (10⁻⁷)".to_owned(), String::new()));
+        assert_eq!(Axis::linear(0.0, 4.0, true, 4).named("length (m)"), "length (m)");
     }
 
     #[test]

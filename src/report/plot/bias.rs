@@ -1,9 +1,9 @@
 //! Bias: how far the mean over the points is from the exact value, at each number of samples.
 
 use super::axis::Axis;
-use super::ink::{Align, Page};
-use super::panel::{HEIGHT, Key, Panel, WIDTH, legend_rows, titled_page};
-use super::style::{Dash, GREY, INK, SMALL, look_of, shown_of};
+use super::ink::Page;
+use super::panel::{HEIGHT, Key, Panel, WIDTH, legend_rows, note, titled_page};
+use super::style::{Dash, INK, look_of, shown_of};
 use crate::report::record::{CaseRecord, CellRecord, StrategyRecord};
 
 /// Half a 95 % interval in standard errors, for showing; verdicts use none.
@@ -13,8 +13,11 @@ pub use crate::statistics::interval::Z_95 as NORMAL_95;
 pub fn bias(case: &CaseRecord) -> Option<Page> {
     let exact: f64 = case.points.iter().map(|point| point.exact).sum();
     let mean = exact / case.points.len().max(1) as f64;
-    let (unit, name) =
-        if mean > 0.0 { (mean, "relative bias of the mean") } else { (1.0, "bias of the mean (W/m²)") };
+    let (unit, name) = if mean > 0.0 {
+        (mean / 100.0, "bias of the mean (% of the exact mean)")
+    } else {
+        (1.0, "bias of the mean (W/m²)")
+    };
     let with_bias = |cell: &'_ CellRecord| Some((cell.samples, cell.mean_bias?));
     let cells = || case.strategies.iter().flat_map(|s| &s.cells).filter_map(with_bias);
     let reach = |[bias, error]: [f64; 2]| (bias.abs() + NORMAL_95 * error) / unit;
@@ -26,7 +29,7 @@ pub fn bias(case: &CaseRecord) -> Option<Page> {
     }
     let seen = |s: &StrategyRecord| {
         let judged = case.verdicts.iter().find(|v| v.property == "bias" && v.strategy == s.name)?;
-        judged.smallest_bias_mean.filter(|b| mean > 0.0 && *b > 0.0)
+        judged.smallest_bias_mean.filter(|b| mean > 0.0 && *b > 0.0).map(|b| 100.0 * b)
     };
     let largest = case.strategies.iter().filter_map(seen).fold(largest, f64::max);
     let counts: Vec<u64> =
@@ -66,14 +69,14 @@ pub fn bias(case: &CaseRecord) -> Option<Page> {
                 let ends = [(panel.x.low(), side), (panel.x.high(), side)];
                 panel.curve(&mut page, ends, look.colour, 0.8, look.dash);
             }
-            text = format!("{text}: would catch ±{} %", two_digits(100.0 * smallest));
+            text = format!("{text}: would catch ±{} %", two_digits(smallest));
         }
         legend.push((Key::Bar { colour: look.colour, marker: look.marker }, text));
     }
     legend_rows(&mut page, (panel.left, HEIGHT - 56.0), panel.right - panel.left, &legend);
-    let note = "Bars: ±1.96 standard errors. Thin lines: the smallest bias that would have been caught at every N with \
+    let words = "Bars: ±1.96 standard errors. Thin lines: the smallest bias that would have been caught at every N with \
                 99 % probability.";
-    page.text((24.0, page.height - 18.0), note, SMALL, GREY, Align::Start);
+    note(&mut page, words);
     Some(page)
 }
 

@@ -2,9 +2,10 @@
 
 use super::axis::Axis;
 use super::bias::NORMAL_95;
-use super::ink::{Align, Page};
-use super::panel::{HEIGHT, Key, Panel, WIDTH, legend_rows, titled_page};
-use super::style::{Dash, GREY, GUIDE, INK, SMALL, look};
+use super::ink::Page;
+use super::panel::{HEIGHT, Key, Panel, WIDTH, legend_rows, note, titled_page};
+use super::render::grouped;
+use super::style::{Dash, GUIDE, INK, look};
 use crate::report::record::{CaseRecord, RingRecord};
 use crate::sampling::Strategy;
 
@@ -56,8 +57,10 @@ pub fn caustic(case: &CaseRecord) -> Option<Page> {
     let low = all().map(|ring| ring.exact).filter(|exact| *exact > 0.0).fold(high, f64::min);
     let y = if is_log { Axis::log(low / 2.0, high * 2.0, 8) } else { Axis::linear(0.0, 1.06 * high, false, 6) };
     let rays = case.ledger.last().map_or(0, |row| row.rays);
-    let mut page =
-        titled_page(&case.title, &format!("{}: mean irradiance over rings around the axis, {rays} rays", case.name));
+    let mut page = titled_page(
+        &case.title,
+        &format!("{}: mean irradiance over rings around the axis, {} rays", case.name, grouped(rays)),
+    );
     let x = Axis::linear(0.0, farthest, false, 8);
     let (left, right) = (104.0, WIDTH - 24.0);
     let upper = Panel { left, top: 76.0, right, bottom: 348.0, x: x.unlabelled(), y };
@@ -74,9 +77,19 @@ pub fn caustic(case: &CaseRecord) -> Option<Page> {
         upper.curve(&mut page, steps, INK, 1.4, Dash::Solid);
         for ring in rings(*order).filter(|ring| inside(ring.measured)) {
             let half = NORMAL_95 * ring.std_error;
-            let bottom = if is_log { (ring.measured - half).max(upper.y.low()) } else { ring.measured - half };
-            upper.bar(&mut page, (ring.middle(), bottom, ring.measured + half), 0.0, 3.0, look.colour);
+            let (bottom, top) = (ring.measured - half, ring.measured + half);
+            if inside(bottom) {
+                upper.bar(&mut page, (ring.middle(), bottom, top), 0.0, 3.0, look.colour);
+            } else {
+                // It leaves the panel: no cap there.
+                upper.bar(&mut page, (ring.middle(), upper.y.low(), top), 0.0, 0.0, look.colour);
+                upper.bar(&mut page, (ring.middle(), top, top), 0.0, 3.0, look.colour);
+            }
             page.marker(upper.at(ring.middle(), ring.measured), look.marker, look.colour, 3.4);
+        }
+        if rings(*order).all(|ring| !inside(ring.measured)) {
+            // No ray came so far: there is no mark to tell of.
+            continue;
         }
         let name = if *order == 1 { "1 interaction".to_owned() } else { format!("{order} interactions") };
         legend.push((Key::Bar { colour: look.colour, marker: look.marker }, name));
@@ -87,7 +100,7 @@ pub fn caustic(case: &CaseRecord) -> Option<Page> {
         .collect();
     let most = pulls.iter().map(|(_, pull)| pull.abs()).fold(3.0, f64::max);
     let lower = Panel { left, top: 372.0, right, bottom: 488.0, x, y: Axis::linear(-most, most, true, 4) };
-    lower.draw(&mut page, "radius (m)", "(measured − exact) / σ");
+    lower.draw(&mut page, "radius (m)", "deviation (standard errors)");
     for level in [-NORMAL_95, 0.0, NORMAL_95] {
         let colour = if level == 0.0 { INK } else { GUIDE };
         lower.curve(&mut page, [(0.0, level), (farthest, level)], colour, 1.0, Dash::Solid);
@@ -97,7 +110,10 @@ pub fn caustic(case: &CaseRecord) -> Option<Page> {
         page.marker(lower.at(radius, pull), look.marker, look.colour, 3.4);
     }
     legend_rows(&mut page, (left, HEIGHT - 56.0), right - left, &legend);
-    let note = "Steps: exact means over the rings. Bars: ±1.96 standard errors. Below: the first of the orders; grey lines at ±1.96.";
-    page.text((24.0, page.height - 18.0), note, SMALL, GREY, Align::Start);
+    let below = if orders.len() > 1 { "the same less exact, first order" } else { "the same less exact" };
+    let words = format!(
+        "Steps: exact means over the rings. Marks: measured, bars ±1.96 standard errors. Below: {below}; grey lines at ±1.96."
+    );
+    note(&mut page, &words);
     Some(page)
 }

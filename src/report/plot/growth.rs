@@ -1,9 +1,9 @@
 //! How a cost grows: what was measured, the power of x through it, and the law that was expected.
 
 use super::axis::Axis;
-use super::ink::{Align, Page};
-use super::panel::{HEIGHT, Key, Panel, WIDTH, legend_column, more_than_three, titled_page};
-use super::style::{Colour, Dash, GREY, GUIDE, SMALL, look};
+use super::ink::Page;
+use super::panel::{HEIGHT, Key, Panel, WIDTH, legend_column, more_than_three, note, titled_page};
+use super::style::{Colour, Dash, GUIDE, look};
 use crate::report::growth::{affine, along, capital, exponent, nearer, proportion};
 use crate::sampling::Strategy;
 use crate::trial::GrowthStudy;
@@ -64,8 +64,8 @@ pub fn growth(study: &GrowthStudy) -> Option<Page> {
     legend.insert(0, (Key::Bar { colour: marks.colour, marker: marks.marker }, told));
     page.height += more_than_three(legend.len());
     legend_column(&mut page, (left, bottom + 62.0), &legend);
-    let note = capital(&nearer(&fits)) + ", root mean square over the points.";
-    page.text((24.0, page.height - 18.0), note, SMALL, GREY, Align::Start);
+    let words = capital(&nearer(&fits)) + ", root mean square over the points.";
+    note(&mut page, &words);
     Some(page)
 }
 

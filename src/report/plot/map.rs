@@ -1,14 +1,19 @@
 //! Maps: the exact irradiance over a grid of points, and how far each strategy's mean is from it.
 
-use plotters::style::RGBColor;
-
 use super::axis::Axis;
 use super::ink::{Align, Page};
-use super::panel::{HEIGHT, Panel, WIDTH, titled_page};
+use super::panel::{HEIGHT, Panel, WIDTH, note, titled_page};
 use super::profile::{is_map, replicates, shown_samples};
-use super::style::{Colour, Dash, GREY, INK, SMALL, TEXT, shown_of};
+use super::style::{Dash, GREY, INK, SMALL, TEXT, shown_of};
 use crate::configuration::Arrangement;
+use crate::report::image::Rgb;
 use crate::report::record::{CaseRecord, CellRecord, StrategyRecord};
+
+/// Room around a map for the names of its axes and for its colour bar, points.
+const LEFT: f64 = 62.0;
+const RIGHT: f64 = 100.0;
+const ABOVE: f64 = 24.0;
+const BELOW: f64 = 58.0;
 
 /// Shades of a colour scale: few enough that neighbours of one shade can be drawn as one.
 const SHADES: usize = 80;
@@ -31,20 +36,28 @@ pub fn map(case: &CaseRecord) -> Option<Page> {
     let mut page = titled_page(&case.title, &what);
     let extent = extent(case, nu, nv);
 
-    let shown_maps = 1 + cells.len();
-    let columns = if shown_maps <= 3 { shown_maps } else { 2 };
-    let rows = shown_maps.div_ceil(columns);
-    let slot = ((WIDTH - 48.0) / columns as f64, (HEIGHT - 100.0) / rows as f64);
     let top = exact.iter().copied().fold(0.0, f64::max);
     let deviations: Vec<Vec<Option<f64>>> = cells
         .iter()
-        .map(|(_, cell)| cell.points.iter().zip(&exact).map(|(m, e)| (*e > 0.0).then(|| m.bias / e)).collect())
+        .map(|(_, cell)| {
+            cell.points.iter().zip(&exact).map(|(m, e)| (*e > 0.0).then(|| 100.0 * m.bias / e)).collect()
+        })
         .collect();
     let largest = deviations.iter().flatten().flatten().fold(0.0, |a: f64, d| a.max(d.abs()));
+    if top == 0.0 && largest == 0.0 {
+        return None;
+    }
     let largest = if largest > 0.0 { largest } else { 1.0 };
+    let shown_maps = 1 + cells.len();
+    let columns = if shown_maps <= 3 { shown_maps } else { 2 };
+    let rows = shown_maps.div_ceil(columns);
+    let slot = ((WIDTH - 48.0) / columns as f64, (HEIGHT - 100.0) / rows.min(2) as f64);
+    let size = extent.fitted((slot.0 - LEFT - RIGHT, slot.1 - ABOVE - BELOW));
+    let step = ABOVE + size.1 + BELOW;
+    page.height = 66.0 + step * rows as f64 + 34.0;
     for k in 0..shown_maps {
         let (column, row) = (k % columns, k / columns);
-        let corner = (24.0 + slot.0 * column as f64, 66.0 + slot.1 * row as f64);
+        let corner = (24.0 + slot.0 * column as f64, 66.0 + step * row as f64);
         let (heading, unit, values, scale): (_, _, Vec<Option<f64>>, _) = match k.checked_sub(1) {
             None => {
                 let scale = ColourScale { low: 0.0, high: if top > 0.0 { top } else { 1.0 }, stops: &CIVIDIS };
@@ -52,12 +65,17 @@ pub fn map(case: &CaseRecord) -> Option<Page> {
             }
             Some(i) => {
                 let scale = ColourScale { low: -largest, high: largest, stops: &BLUE_WHITE_ORANGE };
-                (shown_of(cells[i].0), "relative", deviations[i].clone(), scale)
+                (shown_of(cells[i].0), "%", deviations[i].clone(), scale)
             }
         };
-        draw_map(&mut page, corner, slot, &extent, (nu, nv), &values, &scale, (heading, unit));
+        draw_map(&mut page, corner, size, &extent, (nu, nv), &values, &scale, (heading, unit));
     }
-    page.text((24.0, HEIGHT - 18.0), "Grey: no light is due there.", SMALL, GREY, Align::Start);
+    let dark = exact.contains(&0.0);
+    if dark {
+        note(&mut page, "Grey: no light is due there.");
+    } else {
+        page.height -= 16.0;
+    }
     Some(page)
 }
 
@@ -66,6 +84,15 @@ struct Extent {
     width: f64,
     height: f64,
     names: (&'static str, &'static str),
+}
+
+impl Extent {
+    /// The largest map of this shape in some room; all of the room where that would be but a strip.
+    fn fitted(&self, room: (f64, f64)) -> (f64, f64) {
+        let fit = (room.0 / self.width).min(room.1 / self.height);
+        let size = (fit * self.width, fit * self.height);
+        if size.0 > 60.0 && size.1 > 60.0 { size } else { room }
+    }
 }
 
 fn extent(case: &CaseRecord, nu: usize, nv: usize) -> Extent {
@@ -87,19 +114,14 @@ fn extent(case: &CaseRecord, nu: usize, nv: usize) -> Extent {
 fn draw_map(
     page: &mut Page,
     corner: (f64, f64),
-    slot: (f64, f64),
+    size: (f64, f64),
     extent: &Extent,
     (nu, nv): (usize, usize),
     values: &[Option<f64>],
     scale: &ColourScale,
     (heading, unit): (&str, &str),
 ) {
-    // Axis names to the left and below, the colour bar to the right; the map keeps its shape in what is left.
-    let room = (slot.0 - 62.0 - 100.0, slot.1 - 24.0 - 52.0);
-    let fit = (room.0 / extent.width).min(room.1 / extent.height);
-    let shape_kept = fit * extent.width > 60.0 && fit * extent.height > 60.0;
-    let size = if shape_kept { (fit * extent.width, fit * extent.height) } else { room };
-    let (left, top) = (corner.0 + 62.0, corner.1 + 24.0);
+    let (left, top) = (corner.0 + LEFT, corner.1 + ABOVE);
     let panel = Panel {
         left,
         top,
@@ -110,39 +132,24 @@ fn draw_map(
     };
     panel.draw(page, extent.names.0, extent.names.1);
     page.bold((left, corner.1 + 10.0), heading, TEXT, INK, Align::Start);
-    let (dx, dy) = (size.0 / nu as f64, size.1 / nv as f64);
-    for j in 0..nv {
-        let row = &values[j * nu..(j + 1) * nu];
-        let shade = |i: usize| row[i].map(|v| scale.shade(v));
-        let mut start = 0;
-        for i in 1..=nu {
-            if i < nu && shade(i) == shade(start) {
-                continue;
-            }
-            let colour = shade(start).map_or(NOTHING_DUE, |s| scale.colour(s));
-            let bottom = panel.bottom - dy * j as f64;
-            let (from, to) = (left + dx * start as f64, left + dx * i as f64);
-            page.rectangle((from, bottom - dy), (to, bottom), colour, 1.0);
-            start = i;
-        }
-    }
+    let colour = |value: Option<f64>| value.map_or(NOTHING_DUE, |v| scale.colour(scale.shade(v)));
+    // The first row of points lies below.
+    let colours = (0..nv).rev().flat_map(|j| values[j * nu..(j + 1) * nu].iter().map(|value| colour(*value)));
+    page.raster((left, top), size, nu, colours.collect());
     panel.draw_frame(page);
     let (bar, width) = (panel.right + 16.0, 14.0);
-    let step = size.1 / SHADES as f64;
-    for s in 0..SHADES {
-        let bottom = panel.bottom - step * s as f64;
-        page.rectangle((bar, bottom - step), (bar + width, bottom), scale.colour(s), 1.0);
-    }
+    let shades = (0..SHADES).rev().map(|shade| scale.colour(shade)).collect();
+    page.raster((bar, top), (width, size.1), 1, shades);
     let axis = Axis::linear(scale.low, scale.high, false, 4);
     for (value, label) in &axis.ticks {
         let y = panel.bottom - size.1 * axis.share(*value);
         page.line(vec![(bar + width, y), (bar + width + 4.0, y)], INK, 1.0, Dash::Solid);
         page.text((bar + width + 7.0, y), label.as_str(), SMALL, INK, Align::Start);
     }
-    page.text((bar, corner.1 + 10.0), unit, SMALL, GREY, Align::Start);
+    page.text((bar, corner.1 + 10.0), axis.unit(unit), SMALL, GREY, Align::Start);
 }
 
-const NOTHING_DUE: Colour = RGBColor(0xc8, 0xc8, 0xc8);
+const NOTHING_DUE: Rgb = [0xc8; 3];
 
 struct ColourScale {
     low: f64,
@@ -155,13 +162,13 @@ impl ColourScale {
         let share = (value - self.low) / (self.high - self.low);
         (share * SHADES as f64).clamp(0.0, SHADES as f64 - 1.0) as usize
     }
-    fn colour(&self, shade: usize) -> Colour {
+    fn colour(&self, shade: usize) -> Rgb {
         let along = shade as f64 / (SHADES - 1) as f64 * (self.stops.len() - 1) as f64;
         let i = (along as usize).min(self.stops.len() - 2);
         let share = along - i as f64;
         let (a, b) = (self.stops[i], self.stops[i + 1]);
         let mixed = |a: u8, b: u8| (f64::from(a) + (f64::from(b) - f64::from(a)) * share).round() as u8;
-        RGBColor(mixed(a.0, b.0), mixed(a.1, b.1), mixed(a.2, b.2))
+        [mixed(a.0, b.0), mixed(a.1, b.1), mixed(a.2, b.2)]
     }
 }
 

@@ -1,7 +1,7 @@
 //! Plots of a report, as SVG and PNG: variance curves, bias, profiles and maps, correlation; caustics and
 //! ledgers.
 //!
-//! A plot is first a [`Page`](ink::Page) of marks in points; plotters draws the same page as SVG and as pixels.
+//! A plot is first a [`Page`](ink::Page) of marks in points; the same page is drawn as SVG and as pixels.
 
 mod axis;
 mod bias;
@@ -14,17 +14,18 @@ mod lecture;
 mod map;
 mod panel;
 mod picture;
+mod pixels;
 mod profile;
 mod raster;
 mod render;
 mod style;
+mod svg;
 mod texels;
 mod text;
 mod variance;
 
 use std::path::{Path, PathBuf};
 
-use plotters::prelude::*;
 use rayon::prelude::*;
 
 use super::ReportError;
@@ -35,10 +36,6 @@ use crate::trial::{GrowthStudy, Lecture, ReceiverPicture};
 
 pub(super) use picture::encoded as picture_of;
 pub(super) use raster::Scale;
-
-/// Pixels of a PNG, and units of an SVG, for each point of a page.
-const PIXELS: f64 = 2.0;
-const UNITS: f64 = 8.0;
 
 /// Draws all plots of all cases, cases in parallel. Returns the files in the order of the cases.
 pub(super) fn write_all(dir: &Path, report: &ReportRecord) -> Result<Vec<PathBuf>, ReportError> {
@@ -79,37 +76,22 @@ pub(super) fn growth_files(study: &GrowthStudy) -> Vec<(&'static str, Result<Vec
     page.iter().flat_map(|page| [("svg", svg(page)), ("png", png(page))]).collect()
 }
 
-/// The page as SVG. Coordinates are whole eighths of a point: plotters counts in integers.
+/// The page as SVG.
 fn svg(page: &ink::Page) -> Result<Vec<u8>, String> {
-    text::load_font();
-    let mut text = String::new();
-    let size = ((page.width * UNITS) as u32, (page.height * UNITS) as u32);
-    page.draw(&SVGBackend::with_string(&mut text, size).into_drawing_area(), UNITS, ink::Medium::Svg)?;
-    let finer = format!("width=\"{}\" height=\"{}\"", size.0, size.1);
-    let shown = format!("width=\"{}\" height=\"{}\"", page.width, page.height);
-    Ok(text.replacen(&finer, &shown, 1).into_bytes())
+    Ok(svg::svg(page).into_bytes())
 }
 
 /// The page as PNG.
 fn png(page: &ink::Page) -> Result<Vec<u8>, String> {
-    let (pixels, size) = drawn(page)?;
+    let (pixels, size) = pixels::drawn(page);
     picture::encoded(&pixels, size)
-}
-
-/// The page as RGB, `[height][width][3]`, with its width and height.
-fn drawn(page: &ink::Page) -> Result<(Vec<u8>, (u32, u32)), String> {
-    let size = ((page.width * PIXELS) as u32, (page.height * PIXELS) as u32);
-    let mut pixels = vec![0; 3 * (size.0 * size.1) as usize];
-    page.draw(&BitMapBackend::with_buffer(&mut pixels, size).into_drawing_area(), PIXELS, ink::Medium::Pixels)?;
-    text::set_texts(&mut pixels, size.0 as usize, PIXELS, page.texts());
-    Ok((pixels, size))
 }
 
 /// A page with pictures on it: pixels, width and height.
 pub(super) type Drawn = (Vec<Rgb>, [usize; 2]);
 
 fn drawn_picture(page: &ink::Page) -> Result<Drawn, String> {
-    let (pixels, (width, height)) = drawn(page)?;
+    let (pixels, (width, height)) = pixels::drawn(page);
     Ok((pixels.as_chunks::<3>().0.to_vec(), [width as usize, height as usize]))
 }
 

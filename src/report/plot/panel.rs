@@ -12,9 +12,25 @@ pub const HEIGHT: f64 = 600.0;
 /// A page with its title and, below it, what is shown.
 pub fn titled_page(title: &str, shown: &str) -> Page {
     let mut page = Page::new(WIDTH, HEIGHT);
+    page.title = title.to_owned();
+    page.about.push(format!("{shown}."));
     page.bold((24.0, 24.0), fitted(title, TITLE, true), TITLE, INK, Align::Start);
     page.text((24.0, 46.0), fitted(shown, TEXT, false), TEXT, GREY, Align::Start);
     page
+}
+
+/// What the marks mean, along the foot of the page, which grows where that takes a second line.
+pub fn note(page: &mut Page, words: &str) {
+    page.about.push(words.to_owned());
+    let fits = |text: &str| text_width(text, SMALL, false) <= WIDTH - 48.0;
+    let cut =
+        if fits(words) { None } else { words.rmatch_indices(' ').map(|(at, _)| at).find(|at| fits(&words[..*at])) };
+    let (first, second) = words.split_at(cut.unwrap_or(words.len()));
+    page.text((24.0, page.height - 18.0), first, SMALL, GREY, Align::Start);
+    if !second.is_empty() {
+        page.height += 15.0;
+        page.text((24.0, page.height - 18.0), fitted(second.trim_start(), SMALL, false), SMALL, GREY, Align::Start);
+    }
 }
 
 /// The text, cut where it would leave the page.
@@ -58,11 +74,11 @@ impl Panel {
     pub fn draw(&self, page: &mut Page, x_name: &str, y_name: &str) {
         for (value, _) in &self.x.ticks {
             let (x, _) = self.at(*value, self.y.low());
-            page.line(vec![(x, self.top), (x, self.bottom)], GRID, 1.0, Dash::Solid);
+            page.line(vec![(x, self.top), (x, self.bottom)], GRID, 0.8, Dash::Solid);
         }
         for (value, _) in &self.y.ticks {
             let (_, y) = self.at(self.x.low(), *value);
-            page.line(vec![(self.left, y), (self.right, y)], GRID, 1.0, Dash::Solid);
+            page.line(vec![(self.left, y), (self.right, y)], GRID, 0.8, Dash::Solid);
         }
         self.draw_frame(page);
         let mut widest: f64 = 0.0;
@@ -78,9 +94,19 @@ impl Panel {
             widest = widest.max(text_width(label, SMALL, false));
         }
         let middle = 0.5 * (self.left + self.right);
-        page.text((middle, self.bottom + 34.0), x_name, TEXT, INK, Align::Middle);
+        page.text((middle, self.bottom + 34.0), self.x.named(x_name), TEXT, INK, Align::Middle);
         let aside = (self.left - 20.0 - widest).max(14.0);
-        page.upwards((aside, 0.5 * (self.top + self.bottom)), y_name, TEXT, INK, Align::Middle);
+        let (height, name) = (self.bottom - self.top, self.y.named(y_name));
+        let middle = 0.5 * (self.top + self.bottom);
+        // A name too long for the axis has its unit on a line of its own.
+        match name.rfind(" (").filter(|_| text_width(&name, TEXT, false) > height) {
+            Some(cut) => {
+                let above = (aside - 16.0).max(12.0);
+                page.upwards((above, middle), &name[..cut], TEXT, INK, Align::Middle);
+                page.upwards((above + 16.0, middle), &name[cut + 1..], TEXT, INK, Align::Middle);
+            }
+            None => page.upwards((aside, middle), name, TEXT, INK, Align::Middle),
+        }
     }
 
     /// The left and the lower edge.
@@ -137,6 +163,10 @@ pub enum Key {
         colour: Colour,
         marker: Marker,
     },
+    Area {
+        colour: Colour,
+        opacity: f64,
+    },
     /// A marker on a band with edges.
     Band {
         colour: Colour,
@@ -170,6 +200,7 @@ fn draw_entry(page: &mut Page, (x, y): At, key: Key, text: &str) {
             page.line(vec![(middle, y - 7.0), (middle, y + 7.0)], colour, 1.3, Dash::Solid);
             page.marker((middle, y), marker, colour, 3.4);
         }
+        Key::Area { colour, opacity } => page.rectangle((x, y - 5.0), (end, y + 5.0), colour, opacity),
         Key::Band { colour, marker, dash } => {
             page.rectangle((x, y - 6.0), (end, y + 6.0), colour, 0.16);
             for edge in [y - 6.0, y + 6.0] {
@@ -192,16 +223,14 @@ pub fn legend_column(page: &mut Page, (x, y): At, entries: &[(Key, String)]) {
     }
 }
 
-/// Entries side by side within a width, in as many rows as it takes; from the third on the page grows.
+/// Entries side by side within a width, in as many rows as it takes; for which the page grows.
 pub fn legend_rows(page: &mut Page, (left, top): At, width: f64, entries: &[(Key, String)]) {
     let (mut x, mut y) = (left, top);
     for (key, text) in entries {
         let long = key.width() + text_width(text, SMALL, false) + 22.0;
         if x > left && x + long > left + width {
             (x, y) = (left, y + LEGEND_LINE);
-            if y > top + 1.5 * LEGEND_LINE {
-                page.height += LEGEND_LINE;
-            }
+            page.height += if y > top + 1.5 * LEGEND_LINE { LEGEND_LINE } else { 8.0 };
         }
         draw_entry(page, (x, y), *key, text);
         x += long;

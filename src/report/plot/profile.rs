@@ -3,14 +3,12 @@
 use super::axis::Axis;
 use super::bias::NORMAL_95;
 use super::ink::{Align, Page};
-use super::panel::{HEIGHT, Key, Panel, WIDTH, legend_rows, titled_page};
+use super::panel::{HEIGHT, Key, Panel, WIDTH, legend_rows, note, titled_page};
 use super::style::{Colour, Dash, GREY, INK, SMALL, TEXT, look_of, shown_of};
 use super::text::text_width;
 use crate::configuration::Arrangement;
 use crate::oracle::Region;
 use crate::report::record::{CaseRecord, CellRecord, StrategyRecord};
-
-use plotters::style::RGBColor;
 
 /// The sample count that is shown is the measured one nearest to this.
 const SHOWN_SAMPLES: f64 = 64.0;
@@ -29,7 +27,10 @@ pub fn profile(case: &CaseRecord) -> Option<Page> {
 
     let what = format!("{}: irradiance at N = {samples}, {} replicates", case.name, replicates(&shown_cells));
     let mut page = titled_page(&case.title, &what);
-    let x = if line { Axis::linear(along[0], along[along.len() - 1], false, 8) } else { indices(along.len()) };
+    // A line has some room at its ends: marks stand there.
+    let (first, last) = (along[0], along[along.len() - 1]);
+    let room = 0.012 * (last - first);
+    let x = if line { Axis::linear(first - room, last + room, false, 8) } else { indices(along.len()) };
     let noise = |c: &CellRecord, i: usize| c.points[i].variance.sqrt();
     let reach = |c: &CellRecord, i: usize| c.points[i].bias.abs() + NORMAL_95 * c.points[i].bias_std_error;
     let (mut top, mut largest) = (exact.iter().copied().fold(0.0, f64::max), 0.0f64);
@@ -58,7 +59,7 @@ pub fn profile(case: &CaseRecord) -> Option<Page> {
     // The room of one point, when points stand side by side.
     let slot = (right - left) / along.len() as f64;
     let n = shown_cells.len().max(1);
-    let apart = if line { 3.0 } else { (0.8 * slot / n as f64).min(16.0) };
+    let apart = (0.8 * slot / n as f64).min(if line { 3.0 } else { 16.0 });
     if !line {
         for (place, value) in along.iter().zip(&exact) {
             let (x, y) = upper.at(*place, *value);
@@ -100,12 +101,12 @@ pub fn profile(case: &CaseRecord) -> Option<Page> {
         upper.curve(&mut page, along.iter().copied().zip(exact.iter().copied()), INK, 1.4, Dash::Solid);
     }
     legend_rows(&mut page, (upper.left, HEIGHT - 56.0), upper.right - upper.left, &legend);
-    let note = if line {
-        "Above: marks are means (some shown), bands ±1 standard deviation of one estimate. Below: ±1.96 standard errors."
+    let words = if line {
+        "Above: marks are means (some shown), bands ±1 standard deviation of one estimate. Below: mean less exact, ±1.96 standard errors."
     } else {
         "Above: marks are means, bars ±1 standard deviation of one estimate. Below: ±1.96 standard errors of the mean."
     };
-    page.text((24.0, page.height - 18.0), note, SMALL, GREY, Align::Start);
+    note(&mut page, words);
     Some(page)
 }
 
@@ -165,11 +166,11 @@ fn indices(n: usize) -> Axis {
 
 fn shade(region: Region) -> (Colour, &'static str) {
     match region {
-        Region::Lit => (RGBColor(0xff, 0xff, 0xff), "lit"),
-        Region::Penumbra => (RGBColor(0xf3, 0xf3, 0xf3), "penumbra"),
-        Region::Umbra => (RGBColor(0xe2, 0xe2, 0xe2), "umbra"),
-        Region::BelowHorizon => (RGBColor(0xe6, 0xea, 0xf0), "below horizon"),
-        Region::Edge => (RGBColor(0xf6, 0xee, 0xdd), "edge"),
+        Region::Lit => (Colour(0xff, 0xff, 0xff), "lit"),
+        Region::Penumbra => (Colour(0xf3, 0xf3, 0xf3), "penumbra"),
+        Region::Umbra => (Colour(0xe2, 0xe2, 0xe2), "umbra"),
+        Region::BelowHorizon => (Colour(0xe6, 0xea, 0xf0), "below horizon"),
+        Region::Edge => (Colour(0xf6, 0xee, 0xdd), "edge"),
     }
 }
 

@@ -91,8 +91,8 @@ impl Frame {
             page.text((self.left - 8.0, at), label.as_str(), SMALL, INK, Align::End);
         }
         let middle = (self.left + 0.5 * self.width, self.top + 0.5 * self.height);
-        page.text((middle.0, self.bottom() + 30.0), names[0], SMALL, INK, Align::Middle);
-        page.upwards((self.left - 46.0, middle.1), names[1], SMALL, INK, Align::Middle);
+        page.text((middle.0, self.bottom() + 30.0), x.named(names[0]), SMALL, INK, Align::Middle);
+        page.upwards((self.left - 46.0, middle.1), y.named(names[1]), SMALL, INK, Align::Middle);
     }
     /// A bar to the right with its unit over it.
     pub fn bar(&self, page: &mut Page, scale: &Scale, unit: &str) {
@@ -110,7 +110,7 @@ impl Frame {
             page.line(vec![(bar.right(), at), (bar.right() + 4.0, at)], INK, 1.0, Dash::Solid);
             page.text((bar.right() + 7.0, at), label.as_str(), SMALL, INK, Align::Start);
         }
-        page.text((bar.left, self.top - 11.0), unit, SMALL, GREY, Align::Start);
+        page.text((bar.left, self.top - 11.0), axis.unit(unit), SMALL, GREY, Align::Start);
     }
     /// Lines between cells of a grid over the picture that differ in kind, each in the colour that `between` names.
     pub fn outlines<K: PartialEq>(

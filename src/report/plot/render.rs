@@ -1,7 +1,5 @@
 //! A rendered receiver beside its exact picture, the signed error, and the error in standard errors.
 
-use plotters::style::RGBColor;
-
 use super::axis::Axis;
 use super::ink::{Align, Page};
 use super::raster::{Frame, Scale};
@@ -13,8 +11,8 @@ use crate::statistics::Verdict;
 use crate::trial::{Judged, ReceiverPicture};
 
 /// Where the umbra ends, and where the penumbra does.
-pub const UMBRA: Colour = RGBColor(0xe6, 0x9f, 0x00);
-pub const PENUMBRA: Colour = RGBColor(0x56, 0xb4, 0xe9);
+pub const UMBRA: Colour = Colour(0xe6, 0x9f, 0x00);
+pub const PENUMBRA: Colour = Colour(0x56, 0xb4, 0xe9);
 /// Errors are shown up to what all but one in two hundred stay below.
 const SHOWN: f64 = 0.995;
 /// z beyond this is as dark as it gets.

@@ -1,19 +1,20 @@
 //! The look of plots: colours that the colour-blind can tell apart, and marks that differ without colour too.
 
-use plotters::style::RGBColor;
-
 use crate::report::record::StrategyRecord;
 use crate::sampling::Strategy;
 
-pub type Colour = RGBColor;
+/// Red, green, blue.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Colour(pub u8, pub u8, pub u8);
 
-/// The family that an SVG asks for; Verdana has the same widths as the embedded font.
-pub const FONT: &str = "DejaVu Sans, Verdana, sans-serif";
+/// The family of the unseen words of an SVG; Verdana has the same widths as the embedded font.
+pub const FONT: &str = "DejaVu Sans,Verdana,sans-serif";
 
-pub const INK: Colour = RGBColor(0x22, 0x22, 0x22);
-pub const GREY: Colour = RGBColor(0x66, 0x66, 0x66);
-pub const GUIDE: Colour = RGBColor(0x99, 0x99, 0x99);
-pub const GRID: Colour = RGBColor(0xe4, 0xe4, 0xe4);
+pub const PAPER: Colour = Colour(0xff, 0xff, 0xff);
+pub const INK: Colour = Colour(0x22, 0x22, 0x22);
+pub const GREY: Colour = Colour(0x66, 0x66, 0x66);
+pub const GUIDE: Colour = Colour(0x99, 0x99, 0x99);
+pub const GRID: Colour = Colour(0xe4, 0xe4, 0xe4);
 
 /// Sizes of text, points.
 pub const TITLE: f64 = 16.0;
@@ -116,38 +117,32 @@ pub struct Look {
 /// purple.
 pub fn look(strategy: Strategy) -> Look {
     match strategy {
-        Strategy::Random => Look { colour: RGBColor(0x00, 0x72, 0xb2), marker: Marker::Circle, dash: Dash::Solid },
-        Strategy::Correlated => {
-            Look { colour: RGBColor(0xd5, 0x5e, 0x00), marker: Marker::Square, dash: Dash::Dashed }
-        }
+        Strategy::Random => Look { colour: Colour(0x00, 0x72, 0xb2), marker: Marker::Circle, dash: Dash::Solid },
+        Strategy::Correlated => Look { colour: Colour(0xd5, 0x5e, 0x00), marker: Marker::Square, dash: Dash::Dashed },
         Strategy::Stratified => {
-            Look { colour: RGBColor(0x00, 0x9e, 0x73), marker: Marker::Triangle, dash: Dash::Alternating }
+            Look { colour: Colour(0x00, 0x9e, 0x73), marker: Marker::Triangle, dash: Dash::Alternating }
         }
         Strategy::UniformJitter => {
-            Look { colour: RGBColor(0xe6, 0x9f, 0x00), marker: Marker::Funnel, dash: Dash::Dotted }
+            Look { colour: Colour(0xe6, 0x9f, 0x00), marker: Marker::Funnel, dash: Dash::Dotted }
         }
         Strategy::LatinHypercube => {
-            Look { colour: RGBColor(0x56, 0xb4, 0xe9), marker: Marker::Plus, dash: Dash::Striding }
+            Look { colour: Colour(0x56, 0xb4, 0xe9), marker: Marker::Plus, dash: Dash::Striding }
         }
         Strategy::MultiJittered => {
-            Look { colour: RGBColor(0xcc, 0x79, 0xa7), marker: Marker::Diamond, dash: Dash::Morse }
+            Look { colour: Colour(0xcc, 0x79, 0xa7), marker: Marker::Diamond, dash: Dash::Morse }
         }
-        Strategy::Sobol => Look { colour: RGBColor(0x00, 0x00, 0x00), marker: Marker::Star, dash: Dash::Tripping },
+        Strategy::Sobol => Look { colour: Colour(0x00, 0x00, 0x00), marker: Marker::Star, dash: Dash::Tripping },
         Strategy::SolidAngle => {
-            Look { colour: RGBColor(0x33, 0x22, 0x88), marker: Marker::Diamond, dash: Dash::Dotted }
+            Look { colour: Colour(0x33, 0x22, 0x88), marker: Marker::Diamond, dash: Dash::Dotted }
         }
-        Strategy::Cosine => Look { colour: RGBColor(0x88, 0x22, 0x55), marker: Marker::Circle, dash: Dash::Dashed },
-        Strategy::MisBalance => {
-            Look { colour: RGBColor(0x99, 0x99, 0x33), marker: Marker::Square, dash: Dash::Dotted }
-        }
-        Strategy::MisPower => {
-            Look { colour: RGBColor(0xaa, 0x44, 0x99), marker: Marker::Triangle, dash: Dash::Dashed }
-        }
+        Strategy::Cosine => Look { colour: Colour(0x88, 0x22, 0x55), marker: Marker::Circle, dash: Dash::Dashed },
+        Strategy::MisBalance => Look { colour: Colour(0x99, 0x99, 0x33), marker: Marker::Square, dash: Dash::Dotted },
+        Strategy::MisPower => Look { colour: Colour(0xaa, 0x44, 0x99), marker: Marker::Triangle, dash: Dash::Dashed },
     }
 }
 
 /// A guest is none of the strategies: grey, and a funnel.
-const GUEST: Look = Look { colour: RGBColor(0x55, 0x55, 0x55), marker: Marker::Funnel, dash: Dash::Tripping };
+const GUEST: Look = Look { colour: Colour(0x55, 0x55, 0x55), marker: Marker::Funnel, dash: Dash::Tripping };
 
 /// The look of whoever made the estimates.
 pub fn look_of(made: &StrategyRecord) -> Look {

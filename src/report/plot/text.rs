@@ -1,17 +1,16 @@
-//! Text: the embedded font, how wide its lines are, and how they are set in pixels.
-//!
-//! plotters sets text at whole pixels and leaves out the room before each letter, which shows; so pictures get their
-//! texts from here, on top of what plotters has drawn.
+//! Text: the embedded font, how wide its lines are, how its letters run, and how they are set in pixels.
 
-use ab_glyph::{Font, FontRef, ScaleFont, point};
-use plotters::style::{FontStyle, register_font};
+use ab_glyph::{Font, FontRef, OutlineCurve, Point, ScaleFont, point};
+use std::fmt::Write as _;
 use std::sync::LazyLock;
 
-use super::ink::{Align, Words};
-use super::style::FONT;
+use super::ink::{Align, At, Words};
 
 const REGULAR: &[u8] = include_bytes!("../../../assets/fonts/DejaVuSans-subset.ttf");
 const BOLD: &[u8] = include_bytes!("../../../assets/fonts/DejaVuSans-Bold-subset.ttf");
+
+/// Units of the font to the em: its outlines and widths are whole numbers of them.
+pub const UNITS_OF_EM: u16 = 2048;
 
 /// Height of capitals and digits, em.
 const CAPITALS: f64 = 0.729;
@@ -25,17 +24,13 @@ struct Fonts {
 }
 
 static FONTS: LazyLock<Fonts> = LazyLock::new(|| {
-    let read = |bytes| FontRef::try_from_slice(bytes).expect("the embedded font is a font");
-    for (style, bytes) in [(FontStyle::Normal, REGULAR), (FontStyle::Bold, BOLD)] {
-        assert!(register_font(FONT, style, bytes).is_ok(), "plotters takes the embedded font");
-    }
+    let read = |bytes| {
+        let font = FontRef::try_from_slice(bytes).expect("the embedded font is a font");
+        assert_eq!(font.units_per_em(), Some(f32::from(UNITS_OF_EM)), "the embedded font's em");
+        font
+    };
     Fonts { regular: read(REGULAR), bold: read(BOLD) }
 });
-
-/// Hands the embedded font to plotters, which lays out texts for SVG with it.
-pub fn load_font() {
-    LazyLock::force(&FONTS);
-}
 
 fn font(bold: bool) -> &'static FontRef<'static> {
     if bold { &FONTS.bold } else { &FONTS.regular }
@@ -43,7 +38,7 @@ fn font(bold: bool) -> &'static FontRef<'static> {
 
 /// ab_glyph counts a size from the lowest to the highest point of the font, we count in em.
 fn height_of_em(font: &FontRef, em: f32) -> f32 {
-    em * font.height_unscaled() / font.units_per_em().expect("the embedded font has an em")
+    em * font.height_unscaled() / f32::from(UNITS_OF_EM)
 }
 
 /// Width of a text with letters `size` points to the em, points.
@@ -51,6 +46,78 @@ pub fn text_width(text: &str, size: f64, bold: bool) -> f64 {
     let font = font(bold);
     let scaled = font.as_scaled(height_of_em(font, 1.0));
     size * text.chars().map(|c| f64::from(scaled.h_advance(scaled.glyph_id(c)))).sum::<f64>()
+}
+
+/// Where a text begins on its base line, points, and its letters with how far along the line each stands, units of the
+/// font. The base line lies so that capitals and digits are centred on the text's place.
+pub fn set(words: &Words) -> (At, Vec<(char, i64)>) {
+    let font = font(words.bold);
+    let mut along = 0;
+    let mut letters = Vec::with_capacity(words.text.len());
+    for letter in words.text.chars() {
+        let id = font.glyph_id(letter);
+        if font.outline(id).is_some() {
+            letters.push((letter, along));
+        }
+        along += font.h_advance_unscaled(id) as i64;
+    }
+    let length = words.size * along as f64 / f64::from(UNITS_OF_EM);
+    let before = match words.align {
+        Align::Start => 0.0,
+        Align::Middle => 0.5 * length,
+        Align::End => length,
+    };
+    let below = 0.5 * CAPITALS * words.size;
+    let (x, y) = words.at;
+    (if words.upwards { (x + below, y + before) } else { (x - before, y + below) }, letters)
+}
+
+/// The outline of a letter as the path of an SVG, units of the font, downwards from the base line; empty for a blank.
+pub fn outline(letter: char, bold: bool) -> String {
+    let font = font(bold);
+    let Some(outline) = font.outline(font.glyph_id(letter)) else { return String::new() };
+    let mut path = String::new();
+    let mut last = None;
+    for curve in outline.curves {
+        let (OutlineCurve::Line(from, _) | OutlineCurve::Quad(from, ..) | OutlineCurve::Cubic(from, ..)) = curve;
+        let mut from = whole(from);
+        if last != Some(from) {
+            path.push_str(if last.is_some() { "z" } else { "" });
+            step(&mut path, 'M', (0, 0), &[from]);
+        }
+        match curve {
+            OutlineCurve::Line(_, to) if whole(to) == from => {}
+            OutlineCurve::Line(_, to) if whole(to).0 == from.0 => {
+                write!(path, "v{}", whole(to).1 - from.1).expect("writing to memory succeeds");
+                from = whole(to);
+            }
+            OutlineCurve::Line(_, to) if whole(to).1 == from.1 => {
+                write!(path, "h{}", whole(to).0 - from.0).expect("writing to memory succeeds");
+                from = whole(to);
+            }
+            OutlineCurve::Line(_, to) => from = step(&mut path, 'l', from, &[whole(to)]),
+            OutlineCurve::Quad(_, by, to) => from = step(&mut path, 'q', from, &[whole(by), whole(to)]),
+            OutlineCurve::Cubic(_, a, b, to) => from = step(&mut path, 'c', from, &[whole(a), whole(b), whole(to)]),
+        }
+        last = Some(from);
+    }
+    path + "z"
+}
+
+fn whole(at: Point) -> (i64, i64) {
+    (at.x.round() as i64, -at.y.round() as i64)
+}
+
+/// Adds a command with its places relative to one; returns the last.
+fn step(path: &mut String, command: char, from: (i64, i64), places: &[(i64, i64)]) -> (i64, i64) {
+    path.push(command);
+    for (x, y) in places {
+        for number in [x - from.0, y - from.1] {
+            let gap = if number >= 0 && !path.ends_with(command) { " " } else { "" };
+            write!(path, "{gap}{number}").expect("writing to memory succeeds");
+        }
+    }
+    places[places.len() - 1]
 }
 
 /// Sets texts on an RGB picture, `[height][width][3]`, with `scale` pixels a point.
@@ -114,6 +181,36 @@ mod tests {
                 assert_ne!(font(bold).glyph_id(c).0, 0, "{c} is missing, bold: {bold}");
             }
         }
+    }
+
+    #[test]
+    fn an_outline_is_the_letters_own() {
+        // A stem of 9.8 % of an em that reaches from the base line to the height of capitals.
+        assert_eq!(outline('I', false), "M201 0v-1493h202v1493h-202z");
+        assert_eq!(outline('O', false).matches('M').count(), 2, "outside and inside");
+        assert_eq!(outline(' ', true), "");
+    }
+
+    #[test]
+    fn letters_stand_where_the_text_is_aligned() {
+        let mut words = Words {
+            at: (100.0, 50.0),
+            text: "I I".to_owned(),
+            size: 20.48,
+            bold: false,
+            colour: crate::report::plot::style::INK,
+            align: Align::Start,
+            upwards: false,
+        };
+        let (start, letters) = set(&words);
+        let width = text_width("I I", 20.48, false);
+        approx::assert_abs_diff_eq!(start.0, 100.0);
+        approx::assert_abs_diff_eq!(start.1, 50.0 + 0.5 * 0.729 * 20.48, epsilon = 1e-9);
+        assert_eq!(letters, [('I', 0), ('I', 604 + 651)]);
+        words.align = Align::End;
+        approx::assert_abs_diff_eq!(set(&words).0.0, 100.0 - width, epsilon = 1e-4);
+        words.upwards = true;
+        approx::assert_abs_diff_eq!(set(&words).0.1, 50.0 + width, epsilon = 1e-4);
     }
 
     #[test]

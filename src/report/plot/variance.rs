@@ -2,9 +2,10 @@
 //! the slope that theory expects.
 
 use super::axis::Axis;
-use super::ink::{Align, Page};
-use super::panel::{HEIGHT, Key, Panel, WIDTH, legend_column, more_than_three, titled_page};
+use super::ink::{Align, At, Page};
+use super::panel::{HEIGHT, Key, Panel, WIDTH, legend_column, more_than_three, note, titled_page};
 use super::style::{Dash, GREY, GUIDE, INK, SMALL, TEXT, look_of, shown_of};
+use super::text::text_width;
 use crate::oracle::Region;
 use crate::report::record::{CaseRecord, RateRecord, StrategyRecord};
 
@@ -22,10 +23,11 @@ pub fn variance(case: &CaseRecord) -> Option<Page> {
     if groups.is_empty() || counts.is_empty() {
         return None;
     }
-    let low = drawn().map(|p| p.2).fold(f64::INFINITY, f64::min);
-    let high = drawn().map(|p| p.3).fold(0.0, f64::max);
     // Room for the guides above and below the data.
-    let y = Axis::log(low / 6.0, high * 4.0, 12);
+    let guided = || groups.iter().flat_map(guides).flat_map(|guide| guide.ends.map(|(_, variance)| variance));
+    let low = drawn().map(|p| p.2).chain(guided()).fold(f64::INFINITY, f64::min);
+    let high = drawn().map(|p| p.3).chain(guided()).fold(0.0, f64::max);
+    let y = Axis::log(low / 2.0, high * 2.0, 12);
 
     let mut page = titled_page(
         &case.title,
@@ -46,7 +48,7 @@ pub fn variance(case: &CaseRecord) -> Option<Page> {
     }
     let entries = groups.iter().map(|group| group.rates.len()).max().unwrap_or(0);
     page.height += more_than_three(entries);
-    page.text((24.0, page.height - 18.0), NOTE, SMALL, GREY, Align::Start);
+    note(&mut page, NOTE);
     Some(page)
 }
 
@@ -119,35 +121,89 @@ fn draw_group(page: &mut Page, panel: &Panel, group: &Group) {
     legend_column(page, (panel.left, panel.bottom + 58.0), &legend);
 }
 
-/// Each expected slope once, beside the curves that it belongs to: the shallowest above all data, the others below.
-fn draw_guides(page: &mut Page, panel: &Panel, group: &Group) {
+/// An expected slope as a straight piece beside the curves that it belongs to.
+struct Guide {
+    slope: f64,
+    /// Samples and variance.
+    ends: [(f64, f64); 2],
+}
+
+/// From the curves to their guide, as a factor.
+const APART: f64 = 2.2;
+
+/// Each expected slope once, over the later half of its curves, where they come nearest to it: the shallowest above them,
+/// the others below.
+fn guides(group: &Group) -> Vec<Guide> {
     let mut slopes: Vec<f64> = group.rates.iter().filter_map(|(_, r)| r.asymptote()).collect();
     slopes.sort_by(|a, b| b.total_cmp(a));
     slopes.dedup();
-    for (k, slope) in slopes.iter().enumerate() {
-        let own = || group.rates.iter().filter(|(_, r)| r.asymptote() == Some(*slope)).flat_map(|(_, r)| positive(r));
+    let guide = |(k, slope): (usize, f64)| {
+        let own = || group.rates.iter().filter(|(_, r)| r.asymptote() == Some(slope)).flat_map(|(_, r)| positive(r));
         let last = own().map(|p| p.0).max().unwrap_or(1) as f64;
         let first = own().map(|p| p.0).min().unwrap_or(1) as f64;
-        // Through the point that leaves all of the curve on one side.
-        let offset = |p: (u64, f64, f64, f64)| p.1.ln() - slope * (p.0 as f64).ln();
+        let (from, to) = ((first * last).sqrt(), 1.25 * last);
+        // Through the point that leaves all of the curve there on one side.
+        let offsets = own().filter(|p| p.0 as f64 >= from).map(|p| p.1.ln() - slope * (p.0 as f64).ln());
         let level = if k == 0 {
-            own().map(offset).fold(f64::NEG_INFINITY, f64::max) + 2.2f64.ln()
+            offsets.fold(f64::NEG_INFINITY, f64::max) + APART.ln()
         } else {
-            own().map(offset).fold(f64::INFINITY, f64::min) - 2.2f64.ln()
+            offsets.fold(f64::INFINITY, f64::min) - APART.ln()
         };
-        let guide = |n: f64| (level + slope * n.ln()).exp();
-        // The line ends at the panel's edges.
-        let end = last * 1.25;
-        let (bottom, top) = (panel.y.low(), panel.y.high());
-        let reaches = |v: f64| ((v.ln() - level) / slope).exp();
-        let (from, to) = (first.max(reaches(top)), if guide(end) < bottom { reaches(bottom) } else { end });
-        if from >= to {
-            continue;
-        }
-        panel.curve(page, [(from, guide(from)), (to, guide(to))], GUIDE, 1.0, Dash::Solid);
-        let (x, y) = panel.at(to, guide(to));
-        page.text((x + 5.0, y), exponent(*slope), SMALL, GREY, Align::Start);
+        Guide { slope, ends: [from, to].map(|n| (n, (level + slope * n.ln()).exp())) }
+    };
+    slopes.into_iter().enumerate().map(guide).collect()
+}
+
+/// Draws the guides, and their slopes where no mark and no other slope stands.
+fn draw_guides(page: &mut Page, panel: &Panel, group: &Group) {
+    let mut taken: Vec<At> = Vec::new();
+    for (_, rate) in &group.rates {
+        let marks: Vec<At> = positive(rate).map(|(n, value, ..)| panel.at(n as f64, value)).collect();
+        let fitted = |(n, ..): (u64, f64, f64, f64)| rate.fitted(n as f64).unwrap_or(f64::NAN);
+        let fit: Vec<At> = positive(rate).map(|p| panel.at(p.0 as f64, fitted(p))).collect();
+        taken.extend(along(&marks).chain(along(&fit)));
     }
+    let guides = guides(group);
+    for guide in &guides {
+        taken.extend(along(&guide.ends.map(|(n, value)| panel.at(n, value))));
+    }
+    for guide in &guides {
+        panel.curve(page, guide.ends, GUIDE, 1.0, Dash::Solid);
+        let words = exponent(guide.slope);
+        let (width, height) = (text_width(&words, SMALL, false), SMALL);
+        let [(left, upper), (right, lower)] = guide.ends.map(|(n, value)| panel.at(n, value));
+        let half = 0.5 * width;
+        let share = |t: f64| (left + t * (right - left), upper + t * (lower - upper));
+        // Behind its end; else over or under it, from its end backwards.
+        let behind = std::iter::once((right + 5.0 + half, lower));
+        let beside = (0..8).flat_map(|k| {
+            let (x, y) = share(1.0 - f64::from(k) / 8.0);
+            [(x + half, y - height), (x - half, y + height), (x - half - 4.0, y + 2.0), (x + half + 4.0, y - 2.0)]
+        });
+        let clear = |(x, y): &At| {
+            let near = |(a, b): &&At| (a - x).abs() < half + 3.0 && (b - y).abs() < 0.5 * height + 3.0;
+            let inside = x - half > panel.left
+                && x + half <= panel.right
+                && y + height < panel.bottom
+                && y - height > panel.top;
+            inside && !taken.iter().any(|place| near(&place))
+        };
+        let Some((x, y)) = behind.chain(beside).find(clear) else { continue };
+        page.text((x, y), words, SMALL, GREY, Align::Middle);
+        taken.extend([(x - half, y), (x, y), (x + half, y)]);
+    }
+}
+
+/// Places on a line, close enough together that no word slips between them.
+fn along(through: &[At]) -> impl Iterator<Item = At> {
+    through.windows(2).flat_map(|ends| {
+        let (a, b) = (ends[0], ends[1]);
+        let steps = ((b.0 - a.0).hypot(b.1 - a.1) / 4.0).ceil().max(1.0) as u32;
+        (0..=steps).map(move |k| {
+            let share = f64::from(k) / f64::from(steps);
+            (a.0 + share * (b.0 - a.0), a.1 + share * (b.1 - a.1))
+        })
+    })
 }
 
 /// A slope as people write it: `−1`, `−3/2`.
