@@ -5,7 +5,7 @@
 //! - [`write_calibration`] does the same for a calibration of the gate, [`write_growth`] for how cost grows;
 //! - `write_pictures` and `write_lecture` write rendered pictures (feature `plots`);
 //! - [`table`] tells the verdicts on a terminal; [`write_exact`] prints exact values, [`write_limits`] shadow limits;
-//! - [`verdicts_json`], [`verdicts_json_lines`] and `verdicts_junit` (feature `cli`) tell them to programs;
+//! - [`verdicts_json`], [`case_json_lines`] and `verdicts_junit` (feature `cli`) tell them to programs;
 //! - [`read`] reads a report back; [`comparison_text`] tells what changed between two;
 //! - [`write_images`] and [`images_table`] tell what came of images of other renderers; [`write_files`] writes a scene for one.
 //!
@@ -64,7 +64,7 @@ pub use images::{claim_images, images_table, write_files, write_images};
 #[cfg(feature = "cli")]
 pub use junit::verdicts_junit;
 pub use limits::{LimitsCase, write_limits};
-pub use machine::{verdicts_json, verdicts_json_lines};
+pub use machine::{case_json_lines, summary_json_line, verdicts_json};
 pub use read::read;
 #[cfg(feature = "plots")]
 pub use render::{
