@@ -31,7 +31,8 @@ with so many samples, all its randomness from that seed. It is started twice: on
 spread, once for what is judged (once only with --variance random). `etendue explain judge` says more.
 
 Exit codes: 0 passed, 1 failed, 2 the command line, a case or the program is wrong (it hangs, dies, answers out of order,
-twice, too little, or what is no number), 3 undecided, 4 nothing selected, 5 an output could not be written.";
+twice, too little, or what is no number), 3 undecided, 4 nothing selected, 5 an output could not be
+written, 130 interrupted (answers that came before are kept).";
 
 pub(super) const VERIFY_HELP: &str = "\
 Images (NPY, PFM, OpenEXR) of a scene that `etendue export` wrote: K independent ones, or one with the variance of its pixels.
@@ -226,11 +227,17 @@ fn judge_to_end(options: &JudgeOptions) -> Result<u8, u8> {
     let mut keep = BufWriter::new(File::create(&kept).map_err(unwritable)?);
     let invitation = Invitation { name: &name, leaning: terms.variance, reproduce: reproduce.clone() };
     let asked = Program { command: program.clone(), timeout: options.timeout };
-    let outcome = guest::judge_program(&case, &settings, &invitation, &asked, &mut keep).map_err(|error| {
-        let code = code_of(&error);
-        fault(code, &error);
+    let interrupt = Interrupt::heard()?;
+    let judged = guest::judge_program(&case, &settings, &invitation, &asked, &mut keep, &|| interrupt.asked());
+    let outcome = judged.map_err(|error| {
+        // A terminal interrupts the program, too: it may have ended before it was ended.
+        let code = if interrupt.asked() { exit::INTERRUPTED } else { code_of(&error) };
+        match code {
+            exit::INTERRUPTED => anstream::eprintln!("interrupted: there is no verdict on {name}, and no report"),
+            _ => _ = fault(code, &error),
+        }
         let answers = std::fs::read_to_string(&kept).map_or(0, |text| text.lines().count().saturating_sub(1));
-        if code == exit::USAGE && answers > 0 {
+        if [exit::USAGE, exit::INTERRUPTED].contains(&code) && answers > 0 {
             anstream::eprintln!(
                 "{answers} answers, in whole replicates, are kept: etendue verify {} {}",
                 quoted(&case.selector),
@@ -240,7 +247,9 @@ fn judge_to_end(options: &JudgeOptions) -> Result<u8, u8> {
         code
     })?;
     let outcome = RunOutcome::of_one(settings.seed, reproduce, outcome);
-    report::write(out, &outcome, &ReportOptions { generator: GENERATOR, plots: true })
+    let how = ReportOptions { generator: GENERATOR, plots: true };
+    interrupt
+        .while_writing(out, || report::write(out, &outcome, &how))
         .map_err(|error| fault(exit::OUTPUT, error))?;
     conclude(&outcome, out, &options.telling, None, false, terms.allow_undecided)
 }

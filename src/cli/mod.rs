@@ -1,4 +1,4 @@
-//! The command line: words in, an exit code out. No arithmetic.
+//! The command line: words in, an exit code out. No arithmetic on results.
 
 mod commands;
 mod compare;

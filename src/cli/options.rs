@@ -55,9 +55,9 @@ Examples:
   etendue run my-room.toml --quick --watch # again whenever the file changes
   etendue run --progress plain 2> run.log  # a line of progress every ten seconds
 
-Ctrl-C (or SIGTERM) gives up the cases under way; the report has those that were finished, and the manifest says which are
-missing. A second one ends at once. Where --watch waits, Ctrl-C is the usual end, with the code of the last verdicts, or 2
-if a case file was wrong at the time.
+Ctrl-C (or SIGTERM) gives up the cases under way: the report has those that were finished, its
+manifest names the missing ones. A second one ends at once. Where --watch waits, Ctrl-C is the usual
+end, with the code of the last verdicts, or 2 if a case file is wrong at the time.
 
 "
 );

@@ -68,16 +68,16 @@ impl Screen {
         Screen { shown, begun: Instant::now(), drawn: None, columns: 0 }
     }
 
-    /// Shows it, if it is time.
-    fn show(&mut self, standing: &Standing) {
-        let due = match self.shown {
-            Shown::Nothing => return,
+    /// Whether it is time to show something.
+    fn is_due(&self) -> bool {
+        match self.shown {
+            Shown::Nothing => false,
             Shown::Bar => self.drawn.is_none_or(|drawn| drawn.elapsed() >= BLINK),
             Shown::Lines => self.drawn.unwrap_or(self.begun).elapsed() >= NOW_AND_THEN,
-        };
-        if !due {
-            return;
         }
+    }
+
+    fn show(&mut self, standing: &Standing) {
         self.drawn = Some(Instant::now());
         let standing = Standing { seconds: self.begun.elapsed().as_secs_f64(), ..*standing };
         match self.shown {
@@ -192,7 +192,9 @@ impl Board {
     pub fn show(&self, progress: Progress) {
         let mut state = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         state.take(progress);
-        state.with(Screen::show);
+        if state.screen.is_due() {
+            state.with(Screen::show);
+        }
     }
 
     /// Takes it off the screen.
@@ -217,7 +219,9 @@ impl RunBoard {
             calibration::Progress::Planned(runs) => *all = runs,
             calibration::Progress::Done(runs) => *done += runs,
         }
-        screen.show(&Self::standing(*done, *all, stage));
+        if screen.is_due() {
+            screen.show(&Self::standing(*done, *all, stage));
+        }
     }
 
     fn standing(done: u64, all: u64, stage: &str) -> Standing<'_> {

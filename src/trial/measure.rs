@@ -21,6 +21,8 @@ pub(super) const BATCHES: u64 = 32;
 pub(super) const KEPT_REPLICATES: u64 = 512;
 /// Points beyond which whole estimates are not kept.
 const KEPT_POINTS: usize = 4096;
+/// Shadow rays after which somebody is told: a millisecond, so that telling costs nothing.
+const TOLD_RAYS: u64 = 1 << 16;
 /// Low-order contrasts along the points, beside the mean.
 const CONTRASTS: usize = 4;
 
@@ -202,6 +204,8 @@ fn measure_unit<E>(
     let mut scratch = Scratch::default();
     let mut estimates = Vec::new();
     let mut combined = Vec::new();
+    let rays = prepared.estimator.rays_per_estimate(samples) * points.len() as u64;
+    let mut untold = 0;
     let step = replicates_at_once(points.len());
     let machine = Machine::new();
     // Whoever wants no more of it is heard before the first part, too: the other units of a wave are still to come then.
@@ -227,7 +231,10 @@ fn measure_unit<E>(
                 unit.kept.extend(exact.iter().enumerate().map(|(p, exact)| estimates[p * count + r] - exact));
             }
         }
-        progress(count as u64)?;
+        untold += count as u64;
+        if untold * rays >= TOLD_RAYS || part.end == replicates.end {
+            progress(std::mem::take(&mut untold))?;
+        }
     }
     unit.seconds = start.elapsed().as_secs_f64();
     Ok(unit)
