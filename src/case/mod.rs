@@ -28,6 +28,8 @@ mod folder;
 #[cfg(feature = "cli")]
 mod json_schema;
 mod measure;
+#[cfg(feature = "cli")]
+mod named;
 pub mod obj;
 mod optics;
 #[cfg_attr(not(feature = "studies"), path = "no_picture.rs")]
@@ -55,6 +57,8 @@ use crate::light::LightSettings;
 pub use error::{CaseError, CaseErrors, MeshFileFault, Mistake};
 #[cfg(feature = "cli")]
 pub use json_schema::json_schema;
+#[cfg(feature = "cli")]
+pub(crate) use named::files_named;
 pub use place::Place;
 pub use render::Ink;
 pub use select::{SelectError, Unmatched, select};

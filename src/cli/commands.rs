@@ -1,22 +1,19 @@
 //! What each command does.
 
-use std::io::{IsTerminal, Write};
-use std::path::Path;
+use std::io::Write;
 
 use clap::CommandFactory;
 
 use super::exit;
 use super::explain;
-use super::guests;
-use super::options::{Calibrate, Check, Exact, Explain, Format, Growth, List, Options, Plan, Report, Run, Telling};
-use super::progress::{Bar, RunBar};
+use super::options::{Calibrate, Check, Exact, Explain, Growth, List, Options, Plan, Report};
+use super::progress::RunBoard;
 use crate::calibration;
 use crate::case::{self, Case, Ink, SelectError};
 use crate::oracle::optics::{Arriving, RoomLight};
 use crate::oracle::{self, Derivatives, Oracle, Truth};
-use crate::report::{self, ExactCase, LimitsCase, ReportOptions, TableOptions};
+use crate::report::{self, ExactCase, LimitsCase};
 use crate::sampling::Strategy;
-use crate::statistics::Verdict;
 use crate::trial;
 
 /// Says how the random streams are made, for the manifest.
@@ -52,7 +49,7 @@ fn command_meant(said: &str) -> Option<String> {
     case::nearest(said, known.get_subcommands().map(clap::Command::get_name)).map(str::to_owned)
 }
 
-fn coloured() -> bool {
+pub(super) fn coloured() -> bool {
     anstream::AutoStream::choice(&std::io::stderr()) != anstream::ColorChoice::Never
 }
 
@@ -60,75 +57,6 @@ fn coloured() -> bool {
 pub(super) fn fault(code: u8, error: impl std::fmt::Display) -> u8 {
     anstream::eprintln!("error: {error}");
     code
-}
-
-pub fn run(options: &Run) -> u8 {
-    run_to_end(options).unwrap_or_else(|code| code)
-}
-
-fn run_to_end(options: &Run) -> Result<u8, u8> {
-    let cases = select(&options.work.cases)?;
-    let sets = guests::sets(&options.points)?;
-    report::claim(&options.out).map_err(|error| fault(exit::OUTPUT, error))?;
-    set_threads(options.work.threads)?;
-    let settings = options.work.settings();
-    let mut outcome = if sets.is_empty() || options.work.strategy.is_some() {
-        let bar = Bar::new(cases.len(), options.quiet);
-        let outcome =
-            trial::run(&cases, &settings, &|progress| bar.show(progress)).map_err(|error| fault(exit::BUG, error))?;
-        bar.finish();
-        outcome
-    } else {
-        trial::RunOutcome { seed: settings.seed, command: String::new(), cases: Vec::new() }
-    };
-    let selectors: Vec<&str> = options.work.cases.iter().map(String::as_str).collect();
-    outcome.command = settings.command(&selectors, None);
-    if !sets.is_empty() {
-        guests::join(&mut outcome, &cases, &settings, &sets, &options.points)?;
-    }
-    let plots = !options.no_plots;
-    let views = if plots { trial::receiver_views(&cases, &settings) } else { Vec::new() };
-    report::write(&options.out, &outcome, &ReportOptions { generator: GENERATOR, plots, views: &views })
-        .map_err(|error| fault(exit::OUTPUT, error))?;
-    conclude(&outcome, &options.out, &options.telling, options.quiet, options.allow_undecided)
-}
-
-/// The verdicts on stdout, and wherever else they are to be told; and the code that they come to.
-pub(super) fn conclude(
-    outcome: &trial::RunOutcome,
-    out: &Path,
-    telling: &Telling,
-    quiet: bool,
-    allow_undecided: bool,
-) -> Result<u8, u8> {
-    if let Some(path) = &telling.junit {
-        std::fs::write(path, report::verdicts_junit(outcome, allow_undecided))
-            .map_err(|error| fault(exit::OUTPUT, format!("cannot write {}: {error}", path.display())))?;
-    }
-    let folder = out.to_string_lossy();
-    match telling.format {
-        Format::Text => {
-            let styled = anstream::AutoStream::choice(&std::io::stdout()) != anstream::ColorChoice::Never;
-            let layout = TableOptions { styled, width: terminal_width(), report: Some(out), quiet };
-            print(&report::table(outcome, &layout))?;
-        }
-        Format::Json => print(&report::verdicts_json(outcome, Some(&folder)))?,
-        Format::Jsonl => print(&report::verdicts_json_lines(outcome, Some(&folder)))?,
-    }
-    Ok(code(outcome, allow_undecided))
-}
-
-/// What the verdicts come to.
-fn code(outcome: &trial::RunOutcome, allow_undecided: bool) -> u8 {
-    let verdicts = || outcome.cases.iter().flat_map(|case| case.verdicts().map(|(_, judged)| judged));
-    let any = |verdict| verdicts().any(|judged| judged.verdict == verdict);
-    if any(Verdict::Fail) {
-        exit::FAILED
-    } else if any(Verdict::Undecided) && !allow_undecided {
-        exit::UNDECIDED
-    } else {
-        exit::PASSED
-    }
 }
 
 pub(super) fn set_threads(threads: Option<u16>) -> Result<(), u8> {
@@ -210,12 +138,6 @@ fn explain_to_end(options: &Explain) -> Result<(), u8> {
         Some(text) => print(&text),
         None => Err(fault(exit::USAGE, explain::unknown(name))),
     }
-}
-
-/// Columns of the terminal, or enough for any table in a log.
-fn terminal_width() -> usize {
-    let asked = std::env::var("COLUMNS").ok().and_then(|columns| columns.parse().ok());
-    asked.unwrap_or(if std::io::stdout().is_terminal() { 100 } else { 120 })
 }
 
 pub fn list(options: &List) -> u8 {
@@ -341,7 +263,7 @@ pub fn calibrate(options: &Calibrate) -> u8 {
 fn calibrate_to_end(options: &Calibrate) -> Result<u8, u8> {
     report::claim_calibration(&options.out).map_err(|error| fault(exit::OUTPUT, error))?;
     set_threads(options.threads)?;
-    let bar = RunBar::new();
+    let bar = RunBoard::new();
     let calibration = calibration::calibrate(&options.options(), &|progress| bar.show(progress))
         .map_err(|error| fault(exit::BUG, error))?;
     bar.finish();

@@ -7,7 +7,9 @@ use std::time::Duration;
 
 use clap::Args;
 
-use super::commands::{GENERATOR, conclude, fault, print, select};
+use super::commands::{GENERATOR, fault, print, select};
+use super::conclude::{Lines, conclude};
+use super::interrupt::Interrupt;
 use super::{exit, options};
 use crate::case::{Case, Replicates, SmallestBias};
 use crate::guest::{self, GuestError, PointSets, Program};
@@ -29,7 +31,8 @@ with so many samples, all its randomness from that seed. It is started twice: on
 spread, once for what is judged (once only with --variance random). `etendue explain judge` says more.
 
 Exit codes: 0 passed, 1 failed, 2 the command line, a case or the program is wrong (it hangs, dies, answers out of order,
-twice, too little, or what is no number), 3 undecided, 4 nothing selected, 5 an output could not be written.";
+twice, too little, or what is no number), 3 undecided, 4 nothing selected, 5 an output could not be
+written, 130 interrupted (answers that came before are kept).";
 
 pub(super) const VERIFY_HELP: &str = "\
 Images (NPY, PFM, OpenEXR) of a scene that `etendue export` wrote: K independent ones, or one with the variance of its pixels.
@@ -224,11 +227,17 @@ fn judge_to_end(options: &JudgeOptions) -> Result<u8, u8> {
     let mut keep = BufWriter::new(File::create(&kept).map_err(unwritable)?);
     let invitation = Invitation { name: &name, leaning: terms.variance, reproduce: reproduce.clone() };
     let asked = Program { command: program.clone(), timeout: options.timeout };
-    let outcome = guest::judge_program(&case, &settings, &invitation, &asked, &mut keep).map_err(|error| {
-        let code = code_of(&error);
-        fault(code, &error);
+    let interrupt = Interrupt::heard()?;
+    let judged = guest::judge_program(&case, &settings, &invitation, &asked, &mut keep, &|| interrupt.asked());
+    let outcome = judged.map_err(|error| {
+        // A terminal interrupts the program, too: it may have ended before it was ended.
+        let code = if interrupt.asked() { exit::INTERRUPTED } else { code_of(&error) };
+        match code {
+            exit::INTERRUPTED => anstream::eprintln!("interrupted: there is no verdict on {name}, and no report"),
+            _ => _ = fault(code, &error),
+        }
         let answers = std::fs::read_to_string(&kept).map_or(0, |text| text.lines().count().saturating_sub(1));
-        if code == exit::USAGE && answers > 0 {
+        if [exit::USAGE, exit::INTERRUPTED].contains(&code) && answers > 0 {
             anstream::eprintln!(
                 "{answers} answers, in whole replicates, are kept: etendue verify {} {}",
                 quoted(&case.selector),
@@ -237,10 +246,12 @@ fn judge_to_end(options: &JudgeOptions) -> Result<u8, u8> {
         }
         code
     })?;
-    let outcome = RunOutcome { seed: settings.seed, command: reproduce, cases: vec![outcome] };
-    report::write(out, &outcome, &ReportOptions { generator: GENERATOR, plots: true, views: &[] })
+    let outcome = RunOutcome::of_one(settings.seed, reproduce, outcome);
+    let how = ReportOptions { generator: GENERATOR, plots: true, views: &[], watched: false };
+    interrupt
+        .while_writing(out, || report::write(out, &outcome, &how))
         .map_err(|error| fault(exit::OUTPUT, error))?;
-    conclude(&outcome, out, &options.telling, false, terms.allow_undecided)
+    conclude(&outcome, out, &options.telling, None, false, terms.allow_undecided)
 }
 
 pub fn verify(options: &VerifyOptions) -> u8 {
@@ -268,10 +279,10 @@ fn verify_to_end(options: &VerifyOptions) -> Result<u8, u8> {
     report::claim(out).map_err(|error| fault(exit::OUTPUT, error))?;
     let outcome = guest::judge_estimates(&case, &settings, &invitation, files)
         .map_err(|error| fault(code_of(&error), &error))?;
-    let outcome = RunOutcome { seed: settings.seed, command: reproduce, cases: vec![outcome] };
-    report::write(out, &outcome, &ReportOptions { generator: GENERATOR, plots: true, views: &[] })
+    let outcome = RunOutcome::of_one(settings.seed, reproduce, outcome);
+    report::write(out, &outcome, &ReportOptions { generator: GENERATOR, plots: true, views: &[], watched: false })
         .map_err(|error| fault(exit::OUTPUT, error))?;
-    conclude(&outcome, out, &options::Telling::default(), false, terms.allow_undecided)
+    conclude(&outcome, out, &options::Telling::default(), None, false, terms.allow_undecided)
 }
 
 fn converging(
@@ -345,25 +356,36 @@ pub(super) fn sets(paths: &[PathBuf]) -> Result<Vec<PointSets>, u8> {
     code.map_or(Ok(sets), Err)
 }
 
+/// The options that name files of points.
+pub(super) fn words(paths: &[PathBuf]) -> String {
+    paths.iter().map(|path| format!(" --points {}", quoted(&path.to_string_lossy()))).collect()
+}
+
 /// Judges point sets on each case, and joins what came of it to what the strategies did.
+///
+/// - `lines`: where the verdicts of each case are told as soon as they are there
+/// - `interrupt`: asked before each case
 pub(super) fn join(
     outcome: &mut RunOutcome,
     cases: &[Case],
     settings: &Settings,
     sets: &[PointSets],
     paths: &[PathBuf],
+    lines: Option<&Lines>,
+    interrupt: &Interrupt,
 ) -> Result<(), u8> {
-    let files = |paths: &[PathBuf]| -> String {
-        paths.iter().map(|path| format!(" --points {}", quoted(&path.to_string_lossy()))).collect()
-    };
-    outcome.command += &files(paths);
-    for case in cases {
+    for (index, case) in cases.iter().enumerate() {
+        if interrupt.asked() {
+            outcome.missing = cases[index..].iter().map(|case| case.name.clone()).collect();
+            outcome.cases.retain(|found| !outcome.missing.contains(&found.name));
+            return Ok(());
+        }
         for (set, path) in sets.iter().zip(paths) {
             let alone = Settings {
                 overrides: Overrides { strategies: None, ..settings.overrides.clone() },
                 ..settings.clone()
             };
-            let reproduce = alone.command(&[&case.selector], None) + &files(std::slice::from_ref(path));
+            let reproduce = alone.command(&[&case.selector], None) + &words(std::slice::from_ref(path));
             let invitation = Invitation { name: &set.name, leaning: Leaning::Pilot, reproduce };
             let judged = match guest::judge_point_sets(case, settings, &invitation, set) {
                 Ok(judged) => judged,
@@ -378,6 +400,9 @@ pub(super) fn join(
                 Some(found) => found.strategies.extend(judged.strategies),
                 None => outcome.cases.push(judged),
             }
+        }
+        if let Some(lines) = lines {
+            lines.done(index, outcome.cases.iter().find(|found| found.name == case.name));
         }
     }
     if outcome.cases.is_empty() {

@@ -1,16 +1,21 @@
-//! The command line: words in, an exit code out. No arithmetic.
+//! The command line: words in, an exit code out. No arithmetic on results.
 
 mod commands;
 mod compare;
+mod conclude;
 mod explain;
 mod guests;
 mod help;
 mod images;
+mod interrupt;
 mod new;
 mod options;
 mod progress;
 #[cfg(feature = "plots")]
 mod render;
+mod run;
+mod standing;
+mod watch;
 
 use std::process::ExitCode;
 
@@ -32,6 +37,8 @@ mod exit {
     pub const OUTPUT: u8 = 5;
     /// A fault of this program.
     pub const BUG: u8 = 70;
+    /// Ended by Ctrl-C: what was finished is kept.
+    pub const INTERRUPTED: u8 = 130;
 }
 
 /// Parses the command line, does what it says, and returns the exit code.
@@ -57,8 +64,8 @@ pub fn main() -> ExitCode {
         Some(options::Command::Completions(completions)) => help::completions(&completions),
         Some(options::Command::Schema) => help::schema(),
         Some(options::Command::Man(man)) => help::man(&man),
-        Some(options::Command::Run(run)) => commands::run(&run),
-        None => commands::run(&options.run),
+        Some(options::Command::Run(run)) => run::run(&run),
+        None => run::run(&options.run),
     };
     ExitCode::from(code)
 }

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use super::progress::Manner;
 use crate::calibration;
 use crate::case::{Replicates, SmallestBias, nearest};
 use crate::oracle::Parameter;
@@ -25,7 +26,8 @@ Exit codes:
   3   none failed but some are undecided (0 under --allow-undecided)
   4   nothing selected
   5   an output could not be written, or an image or a report not read
-  70  a bug of ours"
+  70  a bug of ours
+  130 interrupted; a run keeps the cases that were finished"
         )
     };
 }
@@ -50,6 +52,12 @@ Examples:
   etendue run my-room.toml --smallest-bias 0.001,0.01 --out fine
   etendue run my-room.toml --format json | jq '.verdicts[] | select(.verdict != \"pass\")'
   etendue run --points halton.csv penumbra/eclipse
+  etendue run my-room.toml --quick --watch # again whenever the file changes
+  etendue run --progress plain 2> run.log  # a line of progress every ten seconds
+
+Ctrl-C (or SIGTERM) gives up the cases under way: the report has those that were finished, its
+manifest names the missing ones. A second one ends at once. Where --watch waits, Ctrl-C is the usual
+end, with the code of the last verdicts, or 2 if a case file is wrong at the time.
 
 "
 );
@@ -250,9 +258,15 @@ pub struct Run {
     /// Folder that the report is written to
     #[arg(long, value_name = "DIR", default_value = "reports/latest")]
     pub out: PathBuf,
-    /// Print only failures and the summary
+    /// Print only failures and the summary, and no progress
     #[arg(long, short)]
     pub quiet: bool,
+    /// How progress is shown on standard error
+    #[arg(long, value_enum, default_value_t = Manner::Auto)]
+    pub progress: Manner,
+    /// Wait for case files to change, and run those anew that did; goes well with --quick
+    #[arg(long, conflicts_with = "points")]
+    pub watch: bool,
     /// Exit with 0 when some verdicts are undecided and none failed
     #[arg(long)]
     pub allow_undecided: bool,
@@ -285,7 +299,7 @@ pub enum Format {
     Text,
     /// One object
     Json,
-    /// One object a line: each verdict, then a summary
+    /// One object a line: each verdict as soon as its case is done, then a summary
     Jsonl,
 }
 

@@ -68,6 +68,9 @@ pub enum GuestError {
     TooLarge { path: PathBuf, limit: u64 },
     #[error("{}: {what}; accepted: a CSV of estimates (point,replicate,samples,value)", path.display())]
     Foreign { path: PathBuf, what: &'static str },
+    /// Whoever asked wanted no more.
+    #[error("`{program}` was ended after {answered} of {asked} answers")]
+    Stopped { program: String, answered: u64, asked: u64 },
     #[error("what was answered cannot be kept: {source}")]
     Keep { source: io::Error },
 }

@@ -20,6 +20,8 @@ use crate::trial::{Asked, CaseOutcome, Invitation, Settings, judge_answers};
 const WAITING_LINES: usize = 4096;
 /// How often it is looked whether a program has ended.
 const GLANCE: Duration = Duration::from_millis(5);
+/// How often it is asked whether to stop, while no answer comes.
+const BETWEEN: Duration = Duration::from_millis(100);
 /// Replicates by which a program that does not use its seeds is recognised.
 const COMPARED: usize = 8;
 
@@ -36,12 +38,14 @@ pub struct Program {
 ///
 /// - `keep`: gets every answer that is judged, replicate by replicate, as a file that [`super::read_estimates`] reads. What came
 ///   before a fault is there
+/// - `stop`: asked between answers; once it says so the program is ended, and there is no verdict
 pub fn judge_program(
     case: &Case,
     settings: &Settings,
     invitation: &Invitation,
     program: &Program,
     keep: &mut dyn Write,
+    stop: &dyn Fn() -> bool,
 ) -> Result<CaseOutcome, GuestError> {
     let kept = |result: io::Result<()>| result.map_err(|source| GuestError::Keep { source });
     kept(writeln!(keep, "{ANSWER_HEADER}"))?;
@@ -51,7 +55,7 @@ pub fn judge_program(
         let mut rows = vec![0_u64; asked.cells.len()];
         let mut repeated = vec![0_usize; asked.cells.len()];
         pilot.resize(asked.cells.len(), Vec::new());
-        let answered = program.ask(asked, &mut |cell, row| {
+        let answered = program.ask(asked, stop, &mut |cell, row| {
             let replicate = rows[cell];
             rows[cell] += 1;
             if purpose == Purpose::Pilot {
@@ -94,7 +98,7 @@ impl Program {
     }
 
     /// Asks all questions of one start.
-    fn ask(&self, asked: &Asked, take: &mut Taken) -> Result<(), GuestError> {
+    fn ask(&self, asked: &Asked, stop: &dyn Fn() -> bool, take: &mut Taken) -> Result<(), GuestError> {
         let mut running =
             Running::start(&self.command).map_err(|source| GuestError::Start { program: self.name(), source })?;
         let mut input = BufWriter::new(running.0.stdin.take().expect("it was asked for"));
@@ -103,7 +107,7 @@ impl Program {
         // A program that reads no further has closed its end; what it answers is all that counts.
         thread::spawn(move || drop(write_all(&mut input, &points, &cells)));
         let lines = read_aside(output);
-        let result = self.listen(asked, &lines, &mut running, take);
+        let result = self.listen(asked, &lines, &mut running, stop, take);
         drop(running);
         result
     }
@@ -113,6 +117,7 @@ impl Program {
         asked: &Asked,
         lines: &Receiver<String>,
         running: &mut Running,
+        stop: &dyn Fn() -> bool,
         take: &mut Taken,
     ) -> Result<(), GuestError> {
         let questions = Questions::new(&asked.cells, asked.points.len());
@@ -122,7 +127,10 @@ impl Program {
         let (mut answered, mut line) = (0, 0);
         loop {
             let next = questions.get(answered);
-            match (lines.recv_timeout(self.timeout), next) {
+            let Some(received) = self.wait(lines, stop) else {
+                return Err(GuestError::Stopped { program: program(), answered, asked: count });
+            };
+            match (received, next) {
                 (Ok(text), next) => {
                     line += 1;
                     if is_silent(&text, line == 1) {
@@ -157,7 +165,7 @@ impl Program {
                     return Err(GuestError::DoesNotEnd { program: program(), seconds, asked: count });
                 }
                 (Err(RecvTimeoutError::Disconnected), next) => {
-                    let Some(status) = running.end_within(self.timeout) else {
+                    let Some(status) = running.end_within(self.timeout, stop) else {
                         return Err(GuestError::DoesNotEnd { program: program(), seconds, asked: count });
                     };
                     return match next {
@@ -172,6 +180,19 @@ impl Program {
                 }
             }
         }
+    }
+
+    /// The next line, or why none came; `None` where nobody wants it any more.
+    fn wait(&self, lines: &Receiver<String>, stop: &dyn Fn() -> bool) -> Option<Result<String, RecvTimeoutError>> {
+        let mut left = self.timeout;
+        while !stop() {
+            let part = left.min(BETWEEN);
+            match lines.recv_timeout(part) {
+                Err(RecvTimeoutError::Timeout) if part < left => left -= part,
+                received => return Some(received),
+            }
+        }
+        None
     }
 }
 
@@ -201,13 +222,13 @@ impl Running {
         Ok(Running(command.spawn()?))
     }
 
-    fn end_within(&mut self, timeout: Duration) -> Option<ExitStatus> {
+    fn end_within(&mut self, timeout: Duration, stop: &dyn Fn() -> bool) -> Option<ExitStatus> {
         let mut waited = Duration::ZERO;
         loop {
             if let Ok(Some(status)) = self.0.try_wait() {
                 return Some(status);
             }
-            if waited >= timeout {
+            if waited >= timeout || stop() {
                 return None;
             }
             thread::sleep(GLANCE);

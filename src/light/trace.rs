@@ -1,5 +1,7 @@
 //! One run: batches of rays, each a pure function of its key, joined in their order.
 
+use std::convert::Infallible;
+
 use rayon::prelude::*;
 
 use super::chain::{FAINT, Ray, Tracer};
@@ -121,6 +123,14 @@ impl LightTracer {
     /// Rays leave in groups, each from one source, chosen with a probability of its power, and each group carries the same
     /// flux. Groups are independent and alike.
     pub fn run(&self) -> LightRun {
+        let Ok(run) = self.run_while(&|_| Ok::<(), Infallible>(()));
+        run
+    }
+
+    /// The same for who looks on.
+    ///
+    /// - `progress`: told the rays of each finished batch; where it errs, the run is given up
+    pub(crate) fn run_while<E: Send>(&self, progress: &(dyn Fn(u64) -> Result<(), E> + Sync)) -> Result<LightRun, E> {
         let depth = self.settings.depth;
         let (rays_a_group, n_groups) = (self.rays_a_group(), self.n_groups());
         let groups_a_batch = (RAYS_A_BATCH / rays_a_group).max(1);
@@ -139,15 +149,18 @@ impl LightTracer {
                 self.batch(&tracer, k, groups, flux)
             };
             let side_by_side = |k: u64| {
+                progress(0)?;
                 let from = first + k * abreast;
                 let mut batches: Vec<Batch> = (from..(from + abreast).min(end)).map(batch).collect();
                 // One source text, compiled for each instruction set and chosen at run time. Rust never fuses a
                 // multiplication and an addition by itself, so the set changes the speed and no bit.
                 self.machine.run(SideBySide(&mut batches));
-                batches.into_iter().map(|batch| batch.tally).collect::<Vec<Tally>>()
+                let tallies: Vec<Tally> = batches.into_iter().map(|batch| batch.tally).collect();
+                progress(tallies.iter().map(|tally| tally.rays).sum())?;
+                Ok(tallies)
             };
             let n_tasks = (end - first).div_ceil(abreast);
-            let done: Vec<Vec<Tally>> = (0..n_tasks).into_par_iter().map(side_by_side).collect();
+            let done: Vec<Vec<Tally>> = (0..n_tasks).into_par_iter().map(side_by_side).collect::<Result<_, E>>()?;
             for tally in done.iter().flatten() {
                 total.merge(tally);
                 for (cell, flux) in &tally.texels {
@@ -176,7 +189,7 @@ impl LightTracer {
             cells: total.tiles.cells,
             n_groups: total.groups,
         });
-        LightRun {
+        Ok(LightRun {
             ledger,
             maps,
             rings,
@@ -186,7 +199,7 @@ impl LightTracer {
             reached: total.reached,
             depolarised: total.depolarised,
             depolarised_flux: total.depolarised_flux.value(),
-        }
+        })
     }
 
     fn tally(&self) -> Tally {

@@ -45,5 +45,6 @@ mod walk;
 
 pub use run::{PathPoint, PathRun, PathTracer};
 pub use settings::{Part, PathSettings};
+pub(crate) use walk::AsItIs;
 #[cfg(test)]
 pub(crate) use walk::Weighing;

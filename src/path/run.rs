@@ -1,5 +1,7 @@
 //! Many paths: batches, each a pure function of its key, joined in their order.
 
+use std::convert::Infallible;
+
 use rayon::prelude::*;
 
 use super::settings::{Part, PathSettings};
@@ -137,44 +139,71 @@ impl PathTracer {
     }
 
     pub(crate) fn at_points_weighing(&self, paths: u64, weighing: &impl Weighing) -> PathRun {
-        self.in_batches(0, paths, self.places.len(), weighing, |k, _| self.places[k])
+        let Ok(run) = self.at_points_while(paths, weighing, &|_| Ok::<(), Infallible>(()));
+        run
+    }
+
+    /// - `progress`: told the paths of each finished batch; where it errs, the run is given up
+    pub(crate) fn at_points_while<E: Send>(
+        &self,
+        paths: u64,
+        weighing: &impl Weighing,
+        progress: &(dyn Fn(u64) -> Result<(), E> + Sync),
+    ) -> Result<PathRun, E> {
+        self.in_batches(0, paths, self.places.len(), weighing, progress, |k, _| self.places[k])
     }
 
     /// Paths from places anywhere on the receiver, uniform by area: the only point is the receiver's mean. `None` without a
     /// receiver.
     pub fn over_receiver(&self, paths: u64) -> Option<PathRun> {
-        let (surface, start) = self.receiver.as_ref()?;
-        Some(self.in_batches(1, paths, 1, &AsItIs, |_, draws| {
+        let Ok(run) = self.over_receiver_while(paths, &|_| Ok::<(), Infallible>(()));
+        run
+    }
+
+    /// - `progress`: as for [`PathTracer::at_points_while`]
+    pub(crate) fn over_receiver_while<E: Send>(
+        &self,
+        paths: u64,
+        progress: &(dyn Fn(u64) -> Result<(), E> + Sync),
+    ) -> Result<Option<PathRun>, E> {
+        let Some((surface, start)) = self.receiver.as_ref() else { return Ok(None) };
+        let run = self.in_batches(1, paths, 1, &AsItIs, progress, |_, draws| {
             let offset = draws.on(surface);
             let at = surface.origin() + offset;
             let normal = surface.flat_normal().unwrap_or_else(|| offset.normalize());
             Place { at, normal, start: *start, medium: self.room.medium_at(at) }
-        }))
+        })?;
+        Ok(Some(run))
     }
 
-    fn in_batches<W: Weighing>(
+    fn in_batches<W: Weighing, E: Send>(
         &self,
         stream: u64,
         paths: u64,
         places: usize,
         weighing: &W,
+        progress: &(dyn Fn(u64) -> Result<(), E> + Sync),
         place: impl Fn(usize, &mut Draws) -> Place + Sync,
-    ) -> PathRun {
+    ) -> Result<PathRun, E> {
         let mut total = PathRun::new(places);
         if places == 0 {
-            return total;
+            return Ok(total);
         }
         let n_batches = paths.div_ceil(PATHS_A_BATCH);
         let root = self.root.with(stream);
         for first in (0..n_batches).step_by(BATCHES_A_ROUND as usize) {
             let round = first..(first + BATCHES_A_ROUND).min(n_batches);
             // One source text, compiled for each instruction set and chosen at run time, as for rays from the light.
-            let batch =
-                |k: u64| self.machine.run(Batch { of: self, key: root.with(k), places, weighing, place: &place });
-            let done: Vec<PathRun> = round.into_par_iter().map(batch).collect();
+            let batch = |k: u64| {
+                progress(0)?;
+                let run = self.machine.run(Batch { of: self, key: root.with(k), places, weighing, place: &place });
+                progress(PATHS_A_BATCH * places as u64)?;
+                Ok(run)
+            };
+            let done: Vec<PathRun> = round.into_par_iter().map(batch).collect::<Result<_, E>>()?;
             done.iter().for_each(|run| total.merge(run));
         }
-        total
+        Ok(total)
     }
 }
 

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::statistics::Verdict;
-use crate::trial::{JudgedProperty, RunOutcome};
+use crate::trial::{CaseOutcome, JudgedProperty, RunOutcome};
 
 /// Rises when a reader of an older output would misread a newer one.
 const SCHEMA_VERSION: u32 = 1;
@@ -45,13 +45,17 @@ struct Head<'a> {
     /// Folder of the report; null where none was written.
     report: Option<&'a str>,
     summary: Summary,
+    /// Cases that were not finished, where the run was interrupted.
+    #[serde(skip_serializing_if = "<[String]>::is_empty")]
+    missing: &'a [String],
 }
 
 fn each(outcome: &RunOutcome) -> impl Iterator<Item = (&str, &str, &JudgedProperty)> {
-    outcome
-        .cases
-        .iter()
-        .flat_map(|case| case.verdicts().map(move |(strategy, judged)| (case.name.as_str(), strategy, judged)))
+    outcome.cases.iter().flat_map(of_case)
+}
+
+fn of_case(case: &CaseOutcome) -> impl Iterator<Item = (&str, &str, &JudgedProperty)> {
+    case.verdicts().map(|(strategy, judged)| (case.name.as_str(), strategy, judged))
 }
 
 fn told<'a>((case, strategy, judged): (&'a str, &'a str, &'a JudgedProperty)) -> Told<'a> {
@@ -86,6 +90,7 @@ fn head<'a>(outcome: &'a RunOutcome, report: Option<&'a str>) -> Head<'a> {
             failed: count(Verdict::Fail),
             undecided: count(Verdict::Undecided),
         },
+        missing: &outcome.missing,
     }
 }
 
@@ -105,24 +110,28 @@ pub fn verdicts_json(outcome: &RunOutcome, report: Option<&str>) -> String {
     text
 }
 
-/// One line for each verdict (`"type": "verdict"`), and a last one (`"type": "summary"`).
+/// A line of JSON Lines says of what type it is.
+#[derive(Serialize)]
+struct Line<T: Serialize> {
+    r#type: &'static str,
+    #[serde(flatten)]
+    content: T,
+}
+
+fn line<T: Serialize>(r#type: &'static str, content: T) -> String {
+    let mut text = serde_json::to_string(&Line { r#type, content }).expect("texts and numbers serialise");
+    text.push('\n');
+    text
+}
+
+/// One line for each verdict of a case (`"type": "verdict"`).
+pub fn case_json_lines(case: &CaseOutcome) -> String {
+    of_case(case).map(|verdict| line("verdict", told(verdict))).collect()
+}
+
+/// The last line (`"type": "summary"`).
 ///
 /// - `report`: the folder that the report was written to
-pub fn verdicts_json_lines(outcome: &RunOutcome, report: Option<&str>) -> String {
-    #[derive(Serialize)]
-    struct Line<T: Serialize> {
-        r#type: &'static str,
-        #[serde(flatten)]
-        content: T,
-    }
-    let mut text = String::new();
-    let mut line = |content: Result<String, serde_json::Error>| {
-        text += &content.expect("texts and numbers serialise");
-        text.push('\n');
-    };
-    for verdict in each(outcome).map(told) {
-        line(serde_json::to_string(&Line { r#type: "verdict", content: verdict }));
-    }
-    line(serde_json::to_string(&Line { r#type: "summary", content: head(outcome, report) }));
-    text
+pub fn summary_json_line(outcome: &RunOutcome, report: Option<&str>) -> String {
+    line("summary", head(outcome, report))
 }

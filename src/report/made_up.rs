@@ -315,6 +315,7 @@ pub(super) fn outcome() -> RunOutcome {
             case_outcome("direct/disk-grid", "Disk over a plane, on a grid", Arrangement::Grid { nu: 30, nv: 20 }),
             case_outcome("../three points", "The lecture's shadow regions & <points>", Arrangement::Scattered),
         ],
+        missing: Vec::new(),
     }
 }
 

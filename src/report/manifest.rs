@@ -19,7 +19,16 @@ struct Manifest<'a> {
     /// Features of the machine that change bits. There are none: elementary functions come from one portable
     /// library, results merge in index order, and nothing fuses or reorders floating-point operations.
     machine_features_that_change_bits: [&'static str; 0],
+    /// Only where the run was interrupted: a whole run says nothing of it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    interrupted: Option<Interrupted<'a>>,
     cases: Vec<ManifestCase<'a>>,
+}
+
+#[derive(Serialize)]
+struct Interrupted<'a> {
+    /// Names of the cases that were not finished.
+    missing: &'a [String],
 }
 
 #[derive(Serialize)]
@@ -45,6 +54,7 @@ pub(super) fn manifest(outcome: &RunOutcome, generator: &str) -> String {
         generator,
         command: &outcome.command,
         machine_features_that_change_bits: [],
+        interrupted: (!outcome.missing.is_empty()).then_some(Interrupted { missing: &outcome.missing }),
         cases: outcome
             .cases
             .iter()

@@ -5,7 +5,7 @@
 //! - [`write_calibration`] does the same for a calibration of the gate, [`write_growth`] for how cost grows;
 //! - `write_pictures` and `write_lecture` write rendered pictures (feature `plots`);
 //! - [`table`] tells the verdicts on a terminal; [`write_exact`] prints exact values, [`write_limits`] shadow limits;
-//! - [`verdicts_json`], [`verdicts_json_lines`] and `verdicts_junit` (feature `cli`) tell them to programs;
+//! - [`verdicts_json`], [`case_json_lines`] and `verdicts_junit` (feature `cli`) tell them to programs;
 //! - [`read`] reads a report back; [`comparison_text`] tells what changed between two;
 //! - [`write_images`] and [`images_table`] tell what came of images of other renderers; [`write_files`] writes a scene for one.
 //!
@@ -72,7 +72,7 @@ pub use images::{claim_images, images_table, write_files, write_images};
 #[cfg(feature = "cli")]
 pub use junit::verdicts_junit;
 pub use limits::{LimitsCase, write_limits};
-pub use machine::{verdicts_json, verdicts_json_lines};
+pub use machine::{case_json_lines, summary_json_line, verdicts_json};
 pub use read::read;
 #[cfg(feature = "plots")]
 pub use render::{
@@ -89,6 +89,8 @@ pub struct ReportOptions<'a> {
     pub plots: bool,
     /// Pictures of receivers, of the cases that have some; without the feature `plots` none are written.
     pub views: &'a [ReceiverViews],
+    /// Whether the report will be written anew while people look at it: then the page loads itself again and again.
+    pub watched: bool,
 }
 
 /// Writes the whole report into a folder, which is made if need be; [`claim`] it first so that no file of an earlier
@@ -115,7 +117,7 @@ pub fn write(dir: &Path, outcome: &RunOutcome, options: &ReportOptions) -> Resul
     drop(files);
     #[cfg(feature = "plots")]
     written.extend(views::write(dir, &record.cases, options.views)?);
-    written.extend(show(dir, &record, options.plots)?);
+    written.extend(show(dir, &record, options.plots, options.watched)?);
     Ok(written)
 }
 
@@ -141,12 +143,12 @@ pub fn rebuild(dir: &Path, plots: bool) -> Result<Rebuilt, ReportError> {
     if plots {
         folder::claim_plots(dir)?;
     }
-    let written = show(dir, &record, plots)?;
+    let written = show(dir, &record, plots, false)?;
     Ok(Rebuilt { written, faults: record.faults })
 }
 
 /// Plots and page, from what the tables tell.
-fn show(dir: &Path, record: &ReportRecord, plots: bool) -> Result<Vec<PathBuf>, ReportError> {
+fn show(dir: &Path, record: &ReportRecord, plots: bool, watched: bool) -> Result<Vec<PathBuf>, ReportError> {
     let mut written = Vec::new();
     #[cfg(feature = "plots")]
     if plots {
@@ -164,7 +166,7 @@ fn show(dir: &Path, record: &ReportRecord, plots: bool) -> Result<Vec<PathBuf>, 
     let pictures = |k: usize| views::of_case(dir, &stems[k], &record.cases[k]);
     #[cfg(not(feature = "plots"))]
     let pictures = |_: usize| Vec::new();
-    let beside = index::Beside { plots: &of_case, pictures: &pictures };
+    let beside = index::Beside { plots: &of_case, pictures: &pictures, watched };
     written.push(folder::write_whole(dir, index::FILE, index::page(record, &beside).as_bytes())?);
     Ok(written)
 }

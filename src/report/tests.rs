@@ -9,7 +9,8 @@ use crate::oracle::Region;
 use crate::oracle::limits::{Limit, LimitMethod, Phase};
 use crate::statistics::Verdict;
 
-const OPTIONS: ReportOptions = ReportOptions { generator: "8 lanes of xoshiro256++", plots: true, views: &[] };
+const OPTIONS: ReportOptions =
+    ReportOptions { generator: "8 lanes of xoshiro256++", plots: true, views: &[], watched: false };
 
 /// Every file below a folder with its content.
 fn contents(dir: &Path) -> BTreeMap<PathBuf, Vec<u8>> {

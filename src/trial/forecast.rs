@@ -1,5 +1,7 @@
 //! What a run would cost and could see, before anything is spent on it.
 
+use std::convert::Infallible;
+
 use super::cost::median;
 use super::measure::{BATCHES, Prepared, replicates_at_once, seconds_of};
 use super::plan::CellPlan;
@@ -47,7 +49,8 @@ pub fn forecast(cases: &[Case], settings: &Settings) -> Vec<Forecast> {
         let ready = Ready::new(case, &study, &for_technique);
         for strategy in &study.strategies {
             let prepared = ready.prepared(settings.seed, *strategy);
-            let plans = plans(&prepared, &study, *strategy, &|_| {});
+            let never = |_| Ok::<(), Infallible>(());
+            let Ok(plans) = plans(&prepared, &study, *strategy, &never, &never);
             let (mut rays, mut seconds) = (plans.pilot_rays, plans.pilot_seconds);
             for plan in &plans.cells {
                 rays += rays_of(&prepared, plan.samples, plan.replicates);

@@ -6,7 +6,7 @@ use super::accept::accept;
 use super::correlation::correlations;
 use super::judge::{self, Judged};
 use super::lean::{Leaning, variances};
-use super::measure::{CellSums, Prepared, measure};
+use super::measure::{CellSums, Prepared, measure_alone};
 use super::outcome::{CaseOutcome, StrategyOutcome, Timing};
 use super::plan::{CellPlan, most_replicates, pilot_replicates};
 use super::ready::Ready;
@@ -95,7 +95,7 @@ pub fn judge_guest(
     judging.to_end(&Supply::Here, &mut |prepared, purpose, cells| {
         let prepared = Prepared { estimator: guest, ..*prepared };
         let measured = |(samples, replicates): &(u64, u64)| {
-            measure(&prepared, purpose, Strategy::Random, *samples, *replicates, &|_| ())
+            measure_alone(&prepared, purpose, Strategy::Random, *samples, *replicates)
         };
         let sums = cells.iter().map(measured).collect();
         match guest.fault() {
@@ -127,7 +127,7 @@ pub fn judge_sets(
         let points = GuestPoints::of_sets(room, sets);
         let prepared = Prepared { estimator: &points, ..*prepared };
         let measured = |(samples, replicates): &(u64, u64)| {
-            measure(&prepared, purpose, Strategy::Random, *samples, *replicates, &|_| ())
+            measure_alone(&prepared, purpose, Strategy::Random, *samples, *replicates)
         };
         let sums = cells.iter().map(measured).collect();
         let fault = points.fault();

@@ -7,12 +7,13 @@
 
 use std::time::Instant;
 
+use super::onlooker::{Onlooker, Stopped};
 use super::outcome::{JudgedProperty, PathOutcome, PathRow, Timing};
 use crate::case::{Case, SmallestBias};
 use crate::configuration::{Configuration, MeasurementPoint};
-use crate::light::{Light, LightSettings, Moments, trace};
+use crate::light::{Light, LightSettings, LightTracer, Moments};
 use crate::oracle::optics::{Bounded, RoomLight, Way};
-use crate::path::{Part, PathPoint, PathRun, PathSettings, PathTracer};
+use crate::path::{AsItIs, Part, PathPoint, PathRun, PathSettings, PathTracer};
 use crate::statistics::evidence::{THRESHOLD_LOG10, ln_average, log10_capped, replicates_for, smallest_shift};
 use crate::statistics::interval::Z_95;
 use crate::statistics::{Capital, Observed, Statement, Verdict};
@@ -36,6 +37,7 @@ const NAMES: [&str; 2] = ["eye_paths", "next_event"];
 
 /// Follows eye paths through one case, and judges them.
 ///
+/// - `onlooker`: told of the paths; where it errs, the case is given up
 /// - `None` where no light is bent and no diffuse surface lights another
 pub(super) fn indirect(
     case: &Case,
@@ -43,10 +45,15 @@ pub(super) fn indirect(
     quick: bool,
     smallest: SmallestBias,
     reproduce: &str,
-) -> Option<PathOutcome> {
+    onlooker: &Onlooker,
+) -> Result<Option<PathOutcome>, Stopped> {
     let room = &case.configuration;
     let mut outcome = PathOutcome::default();
-    if let Some(due) = Due::of(room) {
+    if let Some(due) = Due::of(room, onlooker)? {
+        let followed = |tracer: &PathTracer, paths: u64| {
+            onlooker.planned(paths * due.points.len() as u64)?;
+            tracer.at_points_while(paths, &AsItIs, &|paths| onlooker.traced(paths))
+        };
         let smallest = due.promised(smallest);
         for next_event in [false, true] {
             let settings = PathSettings { next_event, ..PathSettings::default() };
@@ -54,11 +61,11 @@ pub(super) fn indirect(
             let start = Instant::now();
             let Some(spreads) = due.spreads(next_event) else {
                 // Shown all the same: how often a source is met.
-                let run = tracer.at_points(VAIN_SURVEY);
+                let run = followed(&tracer, VAIN_SURVEY)?;
                 outcome.rows.extend(rows(room, &due, None, &run, next_event));
                 continue;
             };
-            let run = tracer.at_points(due.planned(&spreads, smallest));
+            let run = followed(&tracer, due.planned(&spreads, smallest))?;
             let seconds = start.elapsed().as_secs_f64();
             outcome.rows.extend(rows(room, &due, Some(&spreads), &run, next_event));
             outcome.timings.push(timing(&due, &run, next_event, seconds));
@@ -67,9 +74,9 @@ pub(super) fn indirect(
         }
     }
     if room.has_optics() {
-        against_the_map(case, seed, quick, &mut outcome);
+        against_the_map(case, seed, quick, &mut outcome, onlooker)?;
     }
-    (!outcome.rows.is_empty()).then_some(outcome)
+    Ok((!outcome.rows.is_empty()).then_some(outcome))
 }
 
 /// What is due at the points of a case.
@@ -83,20 +90,24 @@ struct Due<'a> {
 
 impl Due<'_> {
     /// `None` where there is nothing to measure, or the exact side does not know it at every point.
-    fn of(room: &Configuration) -> Option<Due<'_>> {
+    fn of<'a>(room: &'a Configuration, onlooker: &Onlooker) -> Result<Option<Due<'a>>, Stopped> {
         let light = RoomLight::new(room);
-        let way = light.judged()?;
-        let exact: Vec<Bounded> =
-            room.points().iter().map(|point| light.at(point).by(way)).collect::<Option<Vec<_>>>()?;
+        let Some(way) = light.judged() else { return Ok(None) };
+        let mut exact: Vec<Bounded> = Vec::new();
+        for point in room.points() {
+            onlooker.goes_on()?;
+            let Some(due) = light.at(point).by(way) else { return Ok(None) };
+            exact.push(due);
+        }
         if exact.iter().all(|due| due.value == 0.0) {
-            return None;
+            return Ok(None);
         }
         let part = match way {
             Way::Total => Part::Total,
             Way::Caustic => Part::Caustic,
             Way::Indirect => Part::Indirect,
         };
-        Some(Due { light, points: room.points(), part, exact })
+        Ok(Some(Due { light, points: room.points(), part, exact }))
     }
 
     /// Bounds of one path's variance at each point, W²/m⁴.
@@ -297,19 +308,28 @@ fn timing(due: &Due, run: &PathRun, next_event: bool, seconds: f64) -> Timing {
 ///
 /// Paths leave from all over the receiver, as they would to fill its texels. Efficiencies are of a picture with the map's
 /// texels, one over (mean variance of a texel × time).
-fn against_the_map(case: &Case, seed: u64, quick: bool, outcome: &mut PathOutcome) {
+fn against_the_map(
+    case: &Case,
+    seed: u64,
+    quick: bool,
+    outcome: &mut PathOutcome,
+    onlooker: &Onlooker,
+) -> Result<(), Stopped> {
     let room = &case.configuration;
     let tracer = PathTracer::new(room, &PathSettings::default(), seed);
     let survey = if tracer.can_reach() && !quick { SURVEY } else { VAIN_SURVEY };
     let start = Instant::now();
-    let Some(eye) = tracer.over_receiver(survey) else { return };
+    onlooker.planned(survey)?;
+    let traced = |rays| onlooker.traced(rays);
+    let Some(eye) = tracer.over_receiver_while(survey, &traced)? else { return Ok(()) };
     let eye_seconds = start.elapsed().as_secs_f64();
     let rays = (case.light.rays / if quick { 16 * COMPARED } else { COMPARED }).max(1);
     let start = Instant::now();
-    let run = trace(room, &LightSettings { rays, ..case.light.clone() }, seed);
+    onlooker.planned(rays)?;
+    let run = LightTracer::new(room, &LightSettings { rays, ..case.light.clone() }, seed).run_while(&traced)?;
     let map_seconds = start.elapsed().as_secs_f64();
     // The receiver's is the first map.
-    let Some(map) = run.maps.first() else { return };
+    let Some(map) = run.maps.first() else { return Ok(()) };
     let (mut area, mut texels, mut flux, mut variance, mut square) = (0.0, 0.0, 0.0, 0.0, 0.0);
     for texel in map.grid().texels() {
         let own = map.area(texel);
@@ -370,6 +390,7 @@ fn against_the_map(case: &Case, seed: u64, quick: bool, outcome: &mut PathOutcom
         ..nowhere.clone()
     };
     outcome.rows.extend([nowhere, of_map]);
+    Ok(())
 }
 
 #[cfg(test)]
@@ -378,6 +399,7 @@ mod tests {
     use crate::case::shipped;
     use crate::path::Weighing;
     use crate::statistics::budget::seed_of;
+    use std::ops::ControlFlow;
 
     const SMALLEST: SmallestBias = SmallestBias { mean: 3e-2, point: 3e-1 };
 
@@ -385,9 +407,13 @@ mod tests {
         shipped().find(|case| case.name() == name).unwrap().read().unwrap()
     }
 
+    fn alone(room: &Configuration) -> Option<Due<'_>> {
+        Due::of(room, &Onlooker::new("alone", &|_| ControlFlow::Continue(()))).unwrap()
+    }
+
     fn verdict(name: &str, next_event: bool, weighing: &impl Weighing) -> Verdict {
         let case = case(name);
-        let due = Due::of(&case.configuration).unwrap();
+        let due = alone(&case.configuration).unwrap();
         let spreads = due.spreads(next_event).unwrap();
         let settings = PathSettings { next_event, ..PathSettings::default() };
         let tracer = PathTracer::new(&case.configuration, &settings, seed_of("planted faults of eye paths"));
@@ -448,7 +474,7 @@ mod tests {
     fn variances_are_below_their_bounds() {
         for shipped in shipped().filter(|case| case.name().starts_with("interreflection/")) {
             let case = shipped.read().unwrap();
-            let Some(due) = Due::of(&case.configuration) else { continue };
+            let Some(due) = alone(&case.configuration) else { continue };
             for next_event in [false, true] {
                 let settings = PathSettings { next_event, ..PathSettings::default() };
                 let tracer = PathTracer::new(&case.configuration, &settings, seed_of("variances_are_below"));

@@ -11,11 +11,12 @@ use std::f64::consts::PI;
 use std::time::Instant;
 
 use super::map_error;
+use super::onlooker::{Onlooker, Stopped};
 use super::outcome::{CausticBin, JudgedProperty, LightOutcome, LightRow, Timing};
 use crate::case::{Case, SmallestBias};
 use crate::configuration::{Configuration, ReceiverShape};
 use crate::geometry::{Texel, TexelGrid};
-use crate::light::{Light, LightRun, LightSettings, Moments, Sum, TexelMap, trace};
+use crate::light::{Light, LightRun, LightSettings, LightTracer, Moments, Sum, TexelMap};
 use crate::oracle::optics::{
     Bounded, CausticLayout, CupLayout, deposited_power, power_by_lampshade, power_through_two_spheres,
 };
@@ -33,6 +34,7 @@ const WELL_LIT: f64 = 0.01;
 /// Follows the light of one case, with three budgets of rays, and judges it.
 ///
 /// - `quick`: a sixteenth of the rays that the case asks for
+/// - `onlooker`: told of the rays; where it errs, the case is given up
 /// - `None` where there is nothing to follow: no mirror, glass or lamp
 pub(super) fn light(
     case: &Case,
@@ -40,11 +42,13 @@ pub(super) fn light(
     quick: bool,
     smallest: SmallestBias,
     reproduce: &str,
-) -> Option<LightOutcome> {
+    onlooker: &Onlooker,
+) -> Result<Option<LightOutcome>, Stopped> {
     let room = &case.configuration;
     if !room.has_optics() && room.lamps().is_empty() {
-        return None;
+        return Ok(None);
     }
+    onlooker.goes_on()?;
     let layout = CausticLayout::of(room);
     let due = deposited_power(room, case.light.depth);
     let most = if quick { (case.light.rays / 16).max(1) } else { case.light.rays };
@@ -57,14 +61,16 @@ pub(super) fn light(
         (Some(layout), Some(grid)) => map_error::squares(room, layout, grid),
         _ => Vec::new(),
     };
-    for rays in [most.div_ceil(16), most.div_ceil(4), most] {
+    let budgets = [most.div_ceil(16), most.div_ceil(4), most];
+    onlooker.planned(budgets.iter().sum())?;
+    for rays in budgets {
         let settings = LightSettings { rays, ..case.light.clone() };
-        let run = trace(room, &settings, seed);
+        let run = LightTracer::new(room, &settings, seed).run_while(&|rays| onlooker.traced(rays))?;
         rows.push(row(&run, room, due.all));
         texels.extend(map_error::rows(&run, &squares));
         last = Some(run);
     }
-    let run = last?;
+    let Some(run) = last else { return Ok(None) };
     let seconds = start.elapsed().as_secs_f64();
     let mut bins = layout.as_ref().map_or_else(Vec::new, |layout| bins(&run, layout));
     bins.extend(on_all(&run, room, due.by_flat_mirror));
@@ -76,7 +82,7 @@ pub(super) fn light(
     verdicts.extend(caustic(&run, &bins, smallest, reproduce));
     let rays = rows.iter().map(|row| row.rays).sum();
     let timing = Timing { stage: "light", rays, seconds, efficiency: None };
-    Some(LightOutcome { rows, bins, texels, verdicts, timing })
+    Ok(Some(LightOutcome { rows, bins, texels, verdicts, timing }))
 }
 
 /// What a reader should know of a run that no verdict says.
@@ -434,6 +440,7 @@ fn deviation(claim: &Claim) -> (f64, f64) {
 mod tests {
     use super::*;
     use crate::case::shipped_caustics;
+    use crate::light::trace;
 
     const SMALLEST: SmallestBias = SmallestBias { mean: 1e-2, point: 0.5 };
 

@@ -1,5 +1,6 @@
 //! One cell of a study: all points, one strategy, one sample count, many replicates.
 
+use std::convert::Infallible;
 use std::f64::consts::PI;
 use std::ops::Range;
 use std::time::Instant;
@@ -20,6 +21,8 @@ pub(super) const BATCHES: u64 = 32;
 pub(super) const KEPT_REPLICATES: u64 = 512;
 /// Points beyond which whole estimates are not kept.
 const KEPT_POINTS: usize = 4096;
+/// Shadow rays after which somebody is told: a millisecond, so that telling costs nothing.
+const TOLD_RAYS: u64 = 1 << 16;
 /// Low-order contrasts along the points, beside the mean.
 const CONTRASTS: usize = 4;
 
@@ -113,18 +116,30 @@ struct UnitSums {
     seconds: f64,
 }
 
-/// Measures a cell. The result does not depend on the number of threads: units are fixed by the replicates alone and
-/// merged in order.
-///
-/// - `progress`: told the shadow rays of each finished unit
-pub(super) fn measure(
+/// Measures a cell to its end, and tells nobody.
+pub(super) fn measure_alone(
     prepared: &Prepared,
     purpose: Purpose,
     strategy: Strategy,
     samples: u64,
     replicates: u64,
-    progress: &(dyn Fn(u64) + Sync),
 ) -> CellSums {
+    let Ok(sums) = measure(prepared, purpose, strategy, samples, replicates, &|_| Ok::<(), Infallible>(()));
+    sums
+}
+
+/// Measures a cell. The result does not depend on the number of threads: units are fixed by the replicates alone and
+/// merged in order.
+///
+/// - `progress`: told the shadow rays of each finished part of a unit; where it errs, the cell is given up
+pub(super) fn measure<E: Send + Sync>(
+    prepared: &Prepared,
+    purpose: Purpose,
+    strategy: Strategy,
+    samples: u64,
+    replicates: u64,
+    progress: &(dyn Fn(u64) -> Result<(), E> + Sync),
+) -> Result<CellSums, E> {
     let key = StreamKey::cell(prepared.seed, prepared.digest.key(), purpose, strategy, samples);
     let units = BATCHES.min(replicates);
     let ranges = (0..units).map(|k| k * replicates / units..(k + 1) * replicates / units);
@@ -134,13 +149,12 @@ pub(super) fn measure(
     let wave = (1_000_000 / n_points).clamp(2, BATCHES as usize);
     let ranges: Vec<Range<u64>> = ranges.collect();
     for wave in ranges.chunks(wave) {
+        let rays = prepared.estimator.rays_per_estimate(samples) * n_points as u64;
         let done = threads::map(wave, |range| {
-            let unit = measure_unit(prepared, strategy, samples, key, range.clone());
-            let rays = prepared.estimator.rays_per_estimate(samples) * n_points as u64;
-            progress(rays * (range.end - range.start));
-            unit
+            measure_unit(prepared, strategy, samples, key, range.clone(), |done| progress(rays * done))
         });
         for unit in done {
+            let unit = unit?;
             sums.batches.push(unit.points.iter().map(|s| s.mean_square_deviation().unwrap_or(0.0)).collect());
             for (total, part) in sums.points.iter_mut().zip(&unit.points) {
                 total.merge(part);
@@ -152,7 +166,7 @@ pub(super) fn measure(
             sums.seconds += unit.seconds;
         }
     }
-    sums
+    Ok(sums)
 }
 
 /// Seconds of some replicates of a cell on one thread, worked on as a unit of a run is. Their estimates are let go.
@@ -165,16 +179,19 @@ pub(super) fn seconds_of(
     replicates: Range<u64>,
 ) -> f64 {
     let key = StreamKey::cell(prepared.seed, prepared.digest.key(), purpose, strategy, samples);
-    measure_unit(prepared, strategy, samples, key, replicates).seconds
+    let Ok(unit) = measure_unit(prepared, strategy, samples, key, replicates, |_| Ok::<(), Infallible>(()));
+    unit.seconds
 }
 
-fn measure_unit(
+/// - `progress`: told the replicates of each finished part
+fn measure_unit<E>(
     prepared: &Prepared,
     strategy: Strategy,
     samples: u64,
     key: StreamKey,
     replicates: Range<u64>,
-) -> UnitSums {
+    progress: impl Fn(u64) -> Result<(), E>,
+) -> Result<UnitSums, E> {
     let start = Instant::now();
     let exact = prepared.exact;
     let points = prepared.case.configuration.points();
@@ -187,8 +204,12 @@ fn measure_unit(
     let mut scratch = Scratch::default();
     let mut estimates = Vec::new();
     let mut combined = Vec::new();
+    let rays = prepared.estimator.rays_per_estimate(samples) * points.len() as u64;
+    let mut untold = 0;
     let step = replicates_at_once(points.len());
     let machine = Machine::new();
+    // Whoever wants no more of it is heard before the first part, too: the other units of a wave are still to come then.
+    progress(0)?;
     for first in replicates.clone().step_by(step as usize) {
         let part = first..(first + step).min(replicates.end);
         let count = (part.end - part.start) as usize;
@@ -210,9 +231,13 @@ fn measure_unit(
                 unit.kept.extend(exact.iter().enumerate().map(|(p, exact)| estimates[p * count + r] - exact));
             }
         }
+        untold += count as u64;
+        if untold * rays >= TOLD_RAYS || part.end == replicates.end {
+            progress(std::mem::take(&mut untold))?;
+        }
     }
     unit.seconds = start.elapsed().as_secs_f64();
-    unit
+    Ok(unit)
 }
 
 /// Replicates estimated in one go: enough for small estimates to lie side by side, few enough for the cache. Part of

@@ -32,6 +32,8 @@ mod map_error;
 mod measure;
 #[cfg(feature = "studies")]
 mod mesh_rays;
+#[cfg(feature = "studies")]
+mod onlooker;
 mod outcome;
 #[cfg(feature = "studies")]
 mod picture;
@@ -79,6 +81,8 @@ pub use images::{
 pub use lean::Leaning;
 #[cfg(feature = "studies")]
 pub use lecture::{Lecture, LectureError, lecture};
+#[cfg(feature = "studies")]
+pub use onlooker::{Progress, Tell};
 pub use outcome::{
     CaseOutcome, CausticBin, Cell, Correlation, JudgedProperty, LightOutcome, LightRow, MapRow, Measured,
     PathOutcome, PathRow, Rate, RatePoint, RunOutcome, StrategyOutcome, Timing,
@@ -91,7 +95,7 @@ pub use ready::Maker;
 #[cfg(feature = "studies")]
 pub use repeat::Repeated;
 #[cfg(feature = "studies")]
-pub use run::{Progress, TrialError, run, run_with};
+pub use run::{TrialError, run, run_while, run_with};
 pub use settings::{Effort, Overrides, Settings, quoted};
 #[cfg(feature = "studies")]
 pub use views::{ReceiverViews, receiver_views};

@@ -18,6 +18,20 @@ pub struct RunOutcome {
     /// The command that reproduces the run: only options that move numbers.
     pub command: String,
     pub cases: Vec<CaseOutcome>,
+    /// The names of those that were not finished because the run was stopped; none of a whole run.
+    pub missing: Vec<String>,
+}
+
+impl RunOutcome {
+    /// Nothing yet.
+    pub fn new(seed: u64, command: String) -> RunOutcome {
+        RunOutcome { seed, command, cases: Vec::new(), missing: Vec::new() }
+    }
+
+    /// A whole run of one case.
+    pub fn of_one(seed: u64, command: String, case: CaseOutcome) -> RunOutcome {
+        RunOutcome { cases: vec![case], ..RunOutcome::new(seed, command) }
+    }
 }
 
 /// One case.

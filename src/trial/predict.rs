@@ -67,6 +67,7 @@ impl CellPrediction {
 impl Predictions {
     /// - `weights`: `[contrast][point]`
     /// - `pairs`: of points, whose errors' correlation is asked for
+    #[cfg(feature = "studies")]
     pub fn new(
         oracle: &Oracle,
         configuration: &Configuration,
@@ -74,24 +75,39 @@ impl Predictions {
         weights: &[Vec<f64>],
         pairs: &[(usize, usize)],
     ) -> Predictions {
+        let never = || Ok::<(), std::convert::Infallible>(());
+        let Ok(found) = Predictions::new_while(oracle, configuration, study, weights, pairs, &never);
+        found
+    }
+
+    /// - `goes_on`: asked between points; where it errs, they are given up
+    pub fn new_while<E: Send + Sync>(
+        oracle: &Oracle,
+        configuration: &Configuration,
+        study: &Study,
+        weights: &[Vec<f64>],
+        pairs: &[(usize, usize)],
+        goes_on: &(dyn Fn() -> Result<(), E> + Sync),
+    ) -> Result<Predictions, E> {
         let points = configuration.points();
         let asks =
             |set: PointSet| study.strategies.iter().any(|s| s.technique() == Technique::Area && s.point_set() == set);
-        let area = threads::map(points, |point| {
+        let by_area = |point: &MeasurementPoint| {
             (0..configuration.sources().len()).try_fold(Spread::default(), |sum, source| {
                 Some(sum.plus(oracle.area_moments(source, point)?.spread()))
             })
-        });
+        };
+        let area = of_each(points, goes_on, by_area)?;
         let techniques = study.strategies.iter().map(|strategy| strategy.technique());
         let others: BTreeMap<Technique, Vec<Option<Spread>>> = techniques
             .filter(|technique| *technique != Technique::Area)
             .map(|technique| {
                 let of_point = |point: &MeasurementPoint| of_technique(oracle, configuration, technique, point);
-                (technique, threads::map(points, of_point))
+                Ok((technique, of_each(points, goes_on, of_point)?))
             })
-            .collect();
+            .collect::<Result<_, E>>()?;
         let strata = if asks(PointSet::Stratified) {
-            threads::map(points, |point| oracle.strata_spreads(point, &study.samples, &strata))
+            of_each(points, goes_on, |point| oracle.strata_spreads(point, &study.samples, &strata))?
         } else {
             vec![None; points.len()]
         };
@@ -107,7 +123,7 @@ impl Predictions {
                 correlations: pairs.iter().zip(&shared.covariances).map(correlation).collect(),
             }
         });
-        Predictions { area, others, strata, shared }
+        Ok(Predictions { area, others, strata, shared })
     }
 
     /// What is predicted of a strategy at the study's `index`-th sample count.
@@ -146,6 +162,15 @@ impl Predictions {
     pub fn correlations(&self, strategy: Strategy) -> Option<&[f64]> {
         if strategy.shares_points() { self.shared.as_ref().map(|shared| &shared.correlations[..]) } else { None }
     }
+}
+
+/// What is found at each point, unless that is given up.
+fn of_each<R: Send + Sync, E: Send + Sync>(
+    points: &[MeasurementPoint],
+    goes_on: &(dyn Fn() -> Result<(), E> + Sync),
+    find: impl Fn(&MeasurementPoint) -> R + Sync,
+) -> Result<Vec<R>, E> {
+    threads::map(points, |point| goes_on().map(|()| find(point))).into_iter().collect()
 }
 
 /// A weighted sum over points whose estimates are independent of one another.

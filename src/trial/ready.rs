@@ -1,6 +1,7 @@
 //! A case made ready: exact values, predictions, contrasts and estimators, once for all strategies.
 
 use std::collections::BTreeMap;
+use std::convert::Infallible;
 use std::time::Instant;
 
 use super::correlation;
@@ -33,10 +34,22 @@ pub(super) struct Ready<'a> {
 impl<'a> Ready<'a> {
     /// - `make`: the estimators that are judged, one for each technique of the study's strategies
     pub fn new(case: &'a Case, study: &Study, make: &Maker) -> Ready<'a> {
+        let Ok(ready) = Ready::new_while(case, study, make, &|| Ok::<(), Infallible>(()));
+        ready
+    }
+
+    /// - `goes_on`: asked between points; where it errs, the case is given up
+    pub fn new_while<E: Send + Sync>(
+        case: &'a Case,
+        study: &Study,
+        make: &Maker,
+        goes_on: &(dyn Fn() -> Result<(), E> + Sync),
+    ) -> Result<Ready<'a>, E> {
         let start = Instant::now();
         let configuration = &case.configuration;
         let oracle = Oracle::new(configuration);
-        let truths: Vec<Truth> = configuration.points().iter().map(|point| oracle.at(point)).collect();
+        let truth = |point| goes_on().map(|()| oracle.at(point));
+        let truths: Vec<Truth> = configuration.points().iter().map(truth).collect::<Result<_, E>>()?;
         let timing = |stage, start: Instant| Timing {
             stage,
             rays: configuration.points().len() as u64,
@@ -52,13 +65,13 @@ impl<'a> Ready<'a> {
         let grazing = grazing.collect();
         let start = Instant::now();
         let pairs = correlation::pairs(configuration);
-        let predictions = Predictions::new(&oracle, configuration, study, &contrasts.weights, &pairs);
+        let predictions = Predictions::new_while(&oracle, configuration, study, &contrasts.weights, &pairs, goes_on)?;
         timings.push(timing("predict", start));
         let mut estimators: BTreeMap<Technique, Box<dyn Estimator>> = BTreeMap::new();
         for strategy in &study.strategies {
             estimators.entry(strategy.technique()).or_insert_with_key(|technique| make(configuration, *technique));
         }
-        Ready {
+        Ok(Ready {
             case,
             digest: configuration.digest(),
             truths,
@@ -69,7 +82,7 @@ impl<'a> Ready<'a> {
             predictions,
             estimators,
             timings,
-        }
+        })
     }
 
     /// What was found of the case.

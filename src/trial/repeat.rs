@@ -1,8 +1,10 @@
 //! One case from many seeds: exact values and predictions are found once.
 
 use std::collections::BTreeMap;
+use std::ops::ControlFlow;
 
 use super::mesh_rays::compare_hierarchies;
+use super::onlooker::Onlooker;
 use super::outcome::CaseOutcome;
 use super::ready::{Maker, Ready};
 use super::run::{TrialError, from_ready};
@@ -34,7 +36,8 @@ impl<'a> Repeated<'a> {
         }
         let settings = Settings { seed, ..self.settings.clone() };
         let meshes = compare_hierarchies(self.ready.case, seed)?;
-        Ok(from_ready(&self.ready, &self.study, &settings, Some(&estimators), meshes, &|_| ()))
+        let onlooker = Onlooker::new(&self.ready.case.name, &|_| ControlFlow::Continue(()));
+        Ok(from_ready(&self.ready, &self.study, &settings, Some(&estimators), meshes, &onlooker)?)
     }
 }
 

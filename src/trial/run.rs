@@ -1,6 +1,7 @@
 //! Runs a study over cases: exact values, pilot, plan, measurement, judgement.
 
 use std::collections::BTreeMap;
+use std::ops::ControlFlow;
 use std::time::Instant;
 
 use thiserror::Error;
@@ -12,6 +13,7 @@ use super::judge::{self, Judged};
 use super::light::light;
 use super::measure::{CellSums, Prepared, measure};
 use super::mesh_rays::compare_hierarchies;
+use super::onlooker::{Onlooker, Progress, Stopped, Tell};
 use super::outcome::{CaseOutcome, RunOutcome, StrategyOutcome, Timing};
 use super::plan::{CellPlan, pilot_replicates};
 use super::rates::rates;
@@ -24,19 +26,6 @@ use crate::estimator::{Estimator, for_technique};
 use crate::geometry::DVec3;
 use crate::sampling::{Purpose, Strategy, Technique};
 use crate::threads;
-
-/// What a run tells while it goes on.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Progress<'a> {
-    /// A case begins; its name. Several may be under way at a time.
-    Begun(&'a str),
-    /// A cell of a case was planned to cost this many more shadow rays.
-    Planned { case: &'a str, rays: u64 },
-    /// This many shadow rays of a case were traced.
-    Traced { case: &'a str, rays: u64 },
-    /// A case is done.
-    Done(&'a str),
-}
 
 /// Why a run ended without an outcome.
 #[derive(Debug, Error)]
@@ -54,6 +43,15 @@ pub enum TrialError {
     /// The system gives no thread to work on.
     #[error("the system gives no thread to work on")]
     NoThread,
+    /// Whoever looked on wanted no more of a case.
+    #[error("stopped")]
+    Stopped,
+}
+
+impl From<Stopped> for TrialError {
+    fn from(_: Stopped) -> TrialError {
+        TrialError::Stopped
+    }
 }
 
 /// Measures and judges every case with the built-in estimators.
@@ -65,6 +63,12 @@ pub fn run(
     run_with(cases, settings, &for_technique, progress)
 }
 
+/// The same as long as the onlooker wants it: once it breaks, no case is begun, those under way are given up between two
+/// units of work, and the outcome has the cases that were finished before.
+pub fn run_while(cases: &[Case], settings: &Settings, tell: &Tell) -> Result<RunOutcome, TrialError> {
+    run_all(cases, settings, &for_technique, tell)
+}
+
 /// Measures and judges every case with estimators of any make.
 pub fn run_with(
     cases: &[Case],
@@ -72,35 +76,51 @@ pub fn run_with(
     make: &Maker,
     progress: &(dyn Fn(Progress) + Sync),
 ) -> Result<RunOutcome, TrialError> {
-    let selectors: Vec<&str> = cases.iter().map(|case| case.selector.as_str()).collect();
-    let outcomes = threads::side_by_side(cases, |case| {
-        progress(Progress::Begun(&case.name));
-        let outcome = run_case(case, settings, make, progress);
-        progress(Progress::Done(&case.name));
-        outcome
-    });
-    let cases = outcomes.into_iter().collect::<Result<Vec<_>, _>>()?;
-    Ok(RunOutcome { seed: settings.seed, command: settings.command(&selectors, None), cases })
+    run_all(cases, settings, make, &|told| {
+        progress(told);
+        ControlFlow::Continue(())
+    })
 }
 
-fn run_case(
-    case: &Case,
-    settings: &Settings,
-    make: &Maker,
-    progress: &(dyn Fn(Progress) + Sync),
-) -> Result<CaseOutcome, TrialError> {
+fn run_all(cases: &[Case], settings: &Settings, make: &Maker, tell: &Tell) -> Result<RunOutcome, TrialError> {
+    let selectors: Vec<&str> = cases.iter().map(|case| case.selector.as_str()).collect();
+    let places: Vec<usize> = (0..cases.len()).collect();
+    let outcomes = threads::side_by_side(&places, |index| {
+        let case = &cases[*index];
+        if tell(Progress::Begun(&case.name)).is_break() {
+            return Err(TrialError::Stopped);
+        }
+        let outcome = run_case(case, settings, make, tell)?;
+        // Whoever breaks here is heard by the next case: this one is whole.
+        let _ = tell(Progress::Done { index: *index, outcome: &outcome });
+        Ok(outcome)
+    });
+    let mut whole = RunOutcome::new(settings.seed, settings.command(&selectors, None));
+    for (case, outcome) in cases.iter().zip(outcomes) {
+        match outcome {
+            Ok(outcome) => whole.cases.push(outcome),
+            Err(TrialError::Stopped) => whole.missing.push(case.name.clone()),
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(whole)
+}
+
+fn run_case(case: &Case, settings: &Settings, make: &Maker, tell: &Tell) -> Result<CaseOutcome, TrialError> {
     let study = settings.study(&case.study);
+    let onlooker = Onlooker::new(&case.name, tell);
     let mut outcome = if case.measures_direct_light() {
         // First, while nothing else holds a mesh's hierarchy: two at a time would be the most memory that a run takes.
         let meshes = compare_hierarchies(case, settings.seed)?;
-        from_ready(&Ready::new(case, &study, make), &study, settings, None, meshes, progress)
+        let ready = Ready::new_while(case, &study, make, &|| onlooker.goes_on())?;
+        from_ready(&ready, &study, settings, None, meshes, &onlooker)?
     } else {
         unmeasured(case)
     };
     let reproduce = settings.command(&[&case.selector], None);
     let quick = settings.effort == Effort::Quick;
-    outcome.light = light(case, settings.seed, quick, study.smallest_bias, &reproduce);
-    outcome.paths = indirect(case, settings.seed, quick, study.smallest_bias, &reproduce);
+    outcome.light = light(case, settings.seed, quick, study.smallest_bias, &reproduce, &onlooker)?;
+    outcome.paths = indirect(case, settings.seed, quick, study.smallest_bias, &reproduce, &onlooker)?;
     Ok(outcome)
 }
 
@@ -132,8 +152,8 @@ pub(super) fn from_ready(
     settings: &Settings,
     estimators: Option<&BTreeMap<Technique, Box<dyn Estimator>>>,
     meshes: Vec<Timing>,
-    progress: &(dyn Fn(Progress) + Sync),
-) -> CaseOutcome {
+    onlooker: &Onlooker,
+) -> Result<CaseOutcome, Stopped> {
     let case = ready.case;
     let strategies = study
         .strategies
@@ -144,10 +164,10 @@ pub(super) fn from_ready(
                 prepared.estimator = &*estimators[&strategy.technique()];
             }
             let reproduce = settings.command(&[&case.selector], Some(*strategy));
-            run_strategy(&prepared, study, *strategy, reproduce, progress)
+            run_strategy(&prepared, study, *strategy, reproduce, onlooker)
         })
-        .collect();
-    ready.outcome(strategies, meshes)
+        .collect::<Result<_, Stopped>>()?;
+    Ok(ready.outcome(strategies, meshes))
 }
 
 /// Shadow rays of a cell.
@@ -163,14 +183,15 @@ pub(super) struct Plans {
 }
 
 /// Plans every cell, by prediction where there is one and by a pilot elsewhere.
-pub(super) fn plans(
+///
+/// - `planned`, `traced`: told the rays of pilots; where they err, all is given up
+pub(super) fn plans<E: Send + Sync>(
     prepared: &Prepared,
     study: &Study,
     strategy: Strategy,
-    progress: &(dyn Fn(Progress) + Sync),
-) -> Plans {
-    let case = prepared.case.name.as_str();
-    let traced = |rays: u64| progress(Progress::Traced { case, rays });
+    planned: &dyn Fn(u64) -> Result<(), E>,
+    traced: &(dyn Fn(u64) -> Result<(), E> + Sync),
+) -> Result<Plans, E> {
     let mut plans = Plans { cells: Vec::new(), pilot_rays: 0, pilot_seconds: 0.0 };
     for (index, samples) in study.samples.iter().enumerate() {
         let prediction = prepared.predictions.cell(strategy, study, index, &prepared.contrasts.weights);
@@ -180,13 +201,13 @@ pub(super) fn plans(
         }
         let replicates = pilot_replicates(*samples);
         let rays = rays_of(prepared, *samples, replicates);
-        progress(Progress::Planned { case, rays });
-        let pilot = measure(prepared, Purpose::Pilot, strategy, *samples, replicates, &traced);
+        planned(rays)?;
+        let pilot = measure(prepared, Purpose::Pilot, strategy, *samples, replicates, traced)?;
         plans.pilot_rays += rays;
         plans.pilot_seconds += pilot.seconds;
         plans.cells.push(CellPlan::new(prepared, study, strategy.technique(), *samples, prediction, Some(&pilot)));
     }
-    plans
+    Ok(plans)
 }
 
 fn run_strategy(
@@ -194,18 +215,17 @@ fn run_strategy(
     study: &Study,
     strategy: Strategy,
     reproduce: String,
-    progress: &(dyn Fn(Progress) + Sync),
-) -> StrategyOutcome {
-    let case = prepared.case.name.as_str();
-    let traced = |rays: u64| progress(Progress::Traced { case, rays });
-    let Plans { cells: plans, pilot_rays, pilot_seconds } = plans(prepared, study, strategy, progress);
+    onlooker: &Onlooker,
+) -> Result<StrategyOutcome, Stopped> {
+    let (planned, traced) = (|rays| onlooker.planned(rays), |rays| onlooker.traced(rays));
+    let Plans { cells: plans, pilot_rays, pilot_seconds } = plans(prepared, study, strategy, &planned, &traced)?;
     for plan in &plans {
-        progress(Progress::Planned { case, rays: rays_of(prepared, plan.samples, plan.replicates) });
+        onlooker.planned(rays_of(prepared, plan.samples, plan.replicates))?;
     }
     let cells: Vec<CellSums> = plans
         .iter()
         .map(|plan| measure(prepared, Purpose::Measurement, strategy, plan.samples, plan.replicates, &traced))
-        .collect();
+        .collect::<Result<_, Stopped>>()?;
     let rays = plans.iter().map(|plan| rays_of(prepared, plan.samples, plan.replicates)).sum();
     let pilot = Timing { stage: "pilot", rays: pilot_rays, seconds: pilot_seconds, efficiency: None };
     let mut timings: Vec<Timing> = (pilot_rays > 0)
@@ -230,7 +250,7 @@ fn run_strategy(
         seconds: start.elapsed().as_secs_f64(),
         efficiency: None,
     });
-    StrategyOutcome {
+    Ok(StrategyOutcome {
         strategy,
         guest: None,
         rates: rates(prepared, strategy, &cells, &plans),
@@ -238,5 +258,5 @@ fn run_strategy(
         verdicts,
         cells: cells.iter().zip(&plans).map(|(cell, plan)| shown(cell, plan)).collect(),
         timings,
-    }
+    })
 }

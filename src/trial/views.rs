@@ -29,9 +29,9 @@ pub struct ReceiverViews {
 
 /// The views of all cases that have some: not where light is bent or sent on, where there is no receiver, or where exact
 /// values would take long.
-pub fn receiver_views(cases: &[Case], settings: &Settings) -> Vec<ReceiverViews> {
+pub fn receiver_views<'a>(cases: impl Iterator<Item = &'a Case>, settings: &Settings) -> Vec<ReceiverViews> {
     let of = |case: &Case| of_case(case, &settings.study(&case.study).strategies, settings.seed);
-    cases.iter().filter_map(of).collect()
+    cases.filter_map(of).collect()
 }
 
 fn of_case(case: &Case, strategies: &[Strategy], seed: u64) -> Option<ReceiverViews> {

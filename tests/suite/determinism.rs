@@ -44,7 +44,7 @@ fn whole() -> &'static RunOutcome {
 /// Every file of the report by its path.
 fn files(outcome: &RunOutcome, plots: bool) -> BTreeMap<String, Vec<u8>> {
     let folder = tempfile::tempdir().expect("a folder");
-    let options = ReportOptions { generator: "a test", plots, views: &[] };
+    let options = ReportOptions { generator: "a test", plots, views: &[], watched: false };
     report::write(folder.path(), outcome, &options).expect("a report");
     let mut files = BTreeMap::new();
     gather(folder.path(), "", &mut files);

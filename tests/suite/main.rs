@@ -22,6 +22,8 @@ mod interreflections;
 mod judge;
 mod laws;
 mod light;
+#[cfg(all(feature = "cli", unix))]
+mod long_runs;
 mod machine_output;
 mod meshes;
 #[cfg(all(feature = "cli", unix))]

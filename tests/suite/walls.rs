@@ -66,6 +66,7 @@ const RESERVED: &[(&str, &[&str])] = &[
     ("rand", &["sampling/", "trial/"]),
     ("rayon", &["trial/", "calibration/", "eye/", "light/", "path/", "threads/", "report/plot/", "cli/"]),
     ("pulp", &["number/eight.rs", "scene/hierarchy.rs", "scene/wide.rs"]),
+    ("plotters", &["report/plot/"]),
     ("ab_glyph", &["report/plot/text.rs"]),
     ("csv", &["report/"]),
     ("quick_junit", &["report/junit.rs"]),
@@ -73,9 +74,12 @@ const RESERVED: &[(&str, &[&str])] = &[
     ("clap", &["cli/"]),
     ("clap_complete", &["cli/"]),
     ("clap_mangen", &["cli/"]),
-    ("indicatif", &["cli/"]),
+    ("notify", &["cli/watch.rs"]),
+    ("signal_hook", &["cli/interrupt.rs"]),
+    ("terminal_size", &["cli/progress.rs"]),
     ("statrs", &["statistics/"]),
-    ("Instant", &["trial/"]),
+    // How long a run goes on is shown while it does, and written nowhere.
+    ("Instant", &["trial/", "cli/progress.rs"]),
 ];
 
 /// A source file: its path below `src`, and its text.

@@ -441,6 +441,22 @@ addEventListener('resize', () => {
   resized = setTimeout(() => { if (sampler) drawIn(sampler); details.filter((element) => element.open).forEach(drawIn); }, 150);
 });
 
+// Watched: the page loads itself again, and what was open stays so.
+if ('watched' in document.body.dataset) {
+  const kept = 'etendue open cases';
+  try {
+    const open = JSON.parse(sessionStorage.getItem(kept) || '[]');
+    details.forEach((element) => { if (open.includes(element.querySelector('code').textContent)) element.open = true; });
+  } catch { /* Without a memory it all begins closed. */ }
+  setInterval(() => {
+    if (document.hidden || ['INPUT', 'SELECT'].includes(document.activeElement.tagName)) return;
+    try {
+      sessionStorage.setItem(kept, JSON.stringify(details.filter((element) => element.open).map((element) => element.querySelector('code').textContent)));
+    } catch { /* As above. */ }
+    location.reload();
+  }, 2500);
+}
+
 // Tables.
 const table = document.getElementById('table');
 if (table) {

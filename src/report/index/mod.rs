@@ -34,6 +34,8 @@ pub(super) struct Beside<'a> {
     pub plots: &'a dyn Fn(usize) -> Vec<String>,
     /// Of each case: pictures by name, as PNG.
     pub pictures: &'a dyn Fn(usize) -> Vec<(String, Vec<u8>)>,
+    /// Whether it loads itself again and again.
+    pub watched: bool,
 }
 
 /// The page.
@@ -72,10 +74,11 @@ pub(super) fn page(record: &ReportRecord, beside: &Beside) -> String {
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" \
          content=\"width=device-width, initial-scale=1\">\n<meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n\
-         <title>etendue: {}</title>\n<style>{STYLE}{}</style>\n</head>\n<body>\n{body}\
+         <title>etendue: {}</title>\n<style>{STYLE}{}</style>\n</head>\n<body{}>\n{body}\
          <script type=\"application/json\" id=\"data\">{}</script>\n<script>\n{}</script>\n</body>\n</html>\n",
         escaped(&summary(record)),
         include_str!("index.css"),
+        if beside.watched { " data-watched" } else { "" },
         data::embedded(record),
         include_str!("index.js"),
     )

@@ -1,7 +1,7 @@
 //! Plots of a report, as SVG and PNG: variance curves, bias, profiles and maps, correlation; caustics and
 //! ledgers.
 //!
-//! A plot is first a [`Page`](ink::Page) of marks in points; the same page is drawn as SVG and as pixels.
+//! A plot is first a [`Page`](ink::Page) of marks in points; the same page is drawn as SVG and, by plotters, as pixels.
 
 mod axis;
 mod bias;
@@ -83,7 +83,7 @@ fn svg(page: &ink::Page) -> Result<Vec<u8>, String> {
 
 /// The page as PNG.
 fn png(page: &ink::Page) -> Result<Vec<u8>, String> {
-    let (pixels, size) = pixels::drawn(page);
+    let (pixels, size) = pixels::drawn(page)?;
     picture::encoded(&pixels, size)
 }
 
@@ -91,7 +91,7 @@ fn png(page: &ink::Page) -> Result<Vec<u8>, String> {
 pub(super) type Drawn = (Vec<Rgb>, [usize; 2]);
 
 fn drawn_picture(page: &ink::Page) -> Result<Drawn, String> {
-    let (pixels, (width, height)) = pixels::drawn(page);
+    let (pixels, (width, height)) = pixels::drawn(page)?;
     Ok((pixels.as_chunks::<3>().0.to_vec(), [width as usize, height as usize]))
 }
 

@@ -4,8 +4,7 @@ use crate::report::record::StrategyRecord;
 use crate::sampling::Strategy;
 
 /// Red, green, blue.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Colour(pub u8, pub u8, pub u8);
+pub use plotters::style::RGBColor as Colour;
 
 /// The family of the unseen words of an SVG; Verdana has the same widths as the embedded font.
 pub const FONT: &str = "DejaVu Sans,Verdana,sans-serif";

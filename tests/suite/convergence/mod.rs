@@ -300,7 +300,7 @@ fn study_with(case: &Case, name: &str, overrides: Overrides) -> CaseOutcome {
     let mut outcome = trial::run(std::slice::from_ref(case), &settings, &|_| {}).expect("a run");
     let folder = folder(name);
     report::claim(&folder).expect("a folder for the evidence");
-    let options = ReportOptions { generator: "as in `etendue run`", plots: true, views: &[] };
+    let options = ReportOptions { generator: "as in `etendue run`", plots: true, views: &[], watched: false };
     report::write(&folder, &outcome, &options).expect("evidence on disk");
     outcome.cases.remove(0)
 }
