@@ -173,9 +173,9 @@ mod tests {
         let due = [
             (
                 200,
-                "[====================>         ]  65 %  12/52  85 M rays/s  25 s left  penumbra/eclipse, penumbra/half-plane",
+                "[===================>          ]   65 %  12/52  85 M rays/s  25 s left  penumbra/eclipse, penumbra/half-plane",
             ),
-            (80, "[=====>  ]   65 %  12/52  85 M rays/s  25 s left  penumbra/eclipse, penumbra.."),
+            (80, "[=====>  ]   65 %  12/52  85 M rays/s  25 s left  penumbra/eclipse, penumbra/.."),
             (60, "[=====>  ]   65 %  12/52  85 M rays/s  25 s left  penumbr.."),
             (50, "[=====>  ]   65 %  12/52  85 M rays/s  25 s left"),
             (40, "[=====>  ]   65 %  12/52  25 s left"),

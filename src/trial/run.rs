@@ -260,3 +260,61 @@ fn run_strategy(
         timings,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+    use super::*;
+    use crate::case::Replicates;
+    use crate::trial::Overrides;
+
+    /// Two cases on one thread, one after the other, as long as the onlooker wants it.
+    fn two(replicates: u64, tell: &Tell) -> RunOutcome {
+        let cases = ["penumbra/eclipse", "penumbra/half-plane"].map(|name| Case::shipped(name).unwrap());
+        let overrides = Overrides {
+            samples: Some(vec![4]),
+            replicates: Some(Replicates::Fixed(replicates)),
+            ..Overrides::default()
+        };
+        let settings = Settings { seed: 1, effort: Effort::Standard, overrides };
+        let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+        alone.install(|| run_while(&cases, &settings, tell)).unwrap()
+    }
+
+    fn names(outcome: &RunOutcome) -> Vec<&str> {
+        outcome.cases.iter().map(|case| case.name.as_str()).collect()
+    }
+
+    #[test]
+    fn a_run_that_is_ended_has_the_cases_that_were_finished() {
+        let whole = two(64, &|_| ControlFlow::Continue(()));
+        assert_eq!(names(&whole), ["penumbra/eclipse", "penumbra/half-plane"]);
+        assert!(whole.missing.is_empty());
+        let done = AtomicBool::new(false);
+        let cut = two(64, &|told| {
+            done.fetch_or(matches!(told, Progress::Done { .. }), Ordering::Relaxed);
+            if done.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        });
+        assert_eq!(
+            (names(&cut), &cut.missing[..]),
+            (vec!["penumbra/eclipse"], &["penumbra/half-plane".to_owned()][..])
+        );
+        assert!(cut.cases[0].verdicts().eq(whole.cases[0].verdicts()), "what is finished is what it would have been");
+    }
+
+    #[test]
+    fn a_case_is_given_up_between_two_units_of_work() {
+        // Years, were it not given up.
+        let traced = AtomicU64::new(0);
+        let cut = two(1 << 50, &|told| match told {
+            Progress::Traced { rays: 1.., .. } if traced.fetch_add(1, Ordering::Relaxed) >= 2 => {
+                ControlFlow::Break(())
+            }
+            Progress::Begun(_) if traced.load(Ordering::Relaxed) > 0 => ControlFlow::Break(()),
+            _ => ControlFlow::Continue(()),
+        });
+        assert_eq!((names(&cut).len(), cut.missing.len()), (0, 2));
+        assert_eq!(traced.load(Ordering::Relaxed), 3, "nothing more was done");
+    }
+}

@@ -162,16 +162,27 @@ fn where_nothing_is_finished_no_report_is_left() {
 }
 
 #[test]
-fn a_second_interruption_is_an_end() {
+fn a_second_interruption_ends_at_once() {
     let folder = tempfile::tempdir().unwrap();
-    write(folder.path(), "endless.toml", LONG_STUDY);
-    let mut running = Running::start(folder.path(), &["run", "endless.toml", "--out", "out"]);
-    until(|| folder.path().join("out/plots").is_dir());
+    write(folder.path(), "short.toml", SHORT_STUDY);
+    // One estimate is one unit of work, and two thousand million samples take a while.
+    write(folder.path(), "one-unit.toml", "samples = [2147483648]\nreplicates = 2\nstrategies = [\"random\"]\n");
+    let words = ["run", "short.toml", "one-unit.toml", "--threads", "1", "--format", "jsonl", "--out", "out"];
+    let mut running = Running::start(folder.path(), &words);
+    // One case after the other: the second begins when the first has been told.
+    let mut lines = running.lines().lines().map(Result::unwrap);
+    assert_eq!(lines.by_ref().take(6).count(), 6);
+    std::thread::sleep(Duration::from_secs(1));
     running.interrupt();
+    std::thread::sleep(Duration::from_secs(1));
+    assert!(running.child().try_wait().unwrap().is_none(), "the first waits for the unit's end");
     running.interrupt();
+    let begun = Instant::now();
+    assert_eq!(lines.next(), None);
     let ended = running.ended();
-    assert_eq!((ended.status.code(), text(&ended.stdout)), (Some(130), String::new()));
-    assert!(!folder.path().join("out/manifest.json").exists());
+    assert!(begun.elapsed() < Duration::from_secs(2), "{:?}", begun.elapsed());
+    assert_eq!((ended.status.code(), text(&ended.stderr)), (Some(130), String::new()));
+    assert_eq!(files(&folder.path().join("out")), Vec::<PathBuf>::new());
 }
 
 #[test]
