@@ -9,7 +9,10 @@ const SCALE: f64 = 2.0;
 /// Lines that are looked along in each row of pixels.
 const LINES: i64 = 4;
 /// Steps between paper and ink along edges: few, so that pictures have few colours.
-const SHADES: f64 = 8.0;
+const SHADES: usize = 8;
+/// Shares of ink are whole numbers of this fraction, two to the power of minus this.
+const BITS: i32 = 16;
+const HALF: i32 = 1 << (BITS - 1);
 /// Corners of a disc.
 const CORNERS: usize = 24;
 
@@ -94,6 +97,8 @@ impl Paper {
         }
         crossings.sort_unstable_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
         let mut shares = vec![0.0; self.width];
+        let ink = |step: usize| (opacity * step as f64 / SHADES as f64 * f64::from(1 << BITS)).round() as i32;
+        let inks: [i32; SHADES + 1] = std::array::from_fn(ink);
         for row in crossings.chunk_by(|a, b| a.0 / LINES == b.0 / LINES) {
             let mut reach = (self.width, 0);
             for line in row.chunk_by(|a, b| a.0 == b.0) {
@@ -109,10 +114,11 @@ impl Paper {
             let (from, to) = (reach.0.min(reach.1), reach.1);
             let pixels = self.pixels[3 * (y * self.width + from)..].chunks_exact_mut(3);
             for (share, pixel) in shares[from..to].iter_mut().zip(pixels) {
-                let over = (share.min(1.0) * SHADES).round() / SHADES * opacity;
+                let step = (share.min(1.0) * SHADES as f64 + 0.5) as usize;
                 *share = 0.0;
                 for (value, ink) in pixel.iter_mut().zip([colour.0, colour.1, colour.2]) {
-                    *value = (f64::from(*value) + (f64::from(ink) - f64::from(*value)) * over).round() as u8;
+                    let (under, over) = (i32::from(*value), i32::from(ink));
+                    *value = (under + (((over - under) * inks[step] + HALF) >> BITS)) as u8;
                 }
             }
         }
