@@ -12,15 +12,8 @@ const COMMAND: &str =
     "run penumbra/eclipse penumbra/three-regions direct/turning-patch --quick --out reports/reference";
 const FOLDER: &str = "reports/reference";
 /// What is kept of the run. `timings.csv` differs from run to run.
-const TABLES: [&str; 7] = [
-    "convergence.csv",
-    "means.csv",
-    "rates.csv",
-    "curves.csv",
-    "correlation.csv",
-    "scene.csv",
-    "verdicts.csv",
-];
+const TABLES: [&str; 7] =
+    ["convergence.csv", "means.csv", "rates.csv", "curves.csv", "correlation.csv", "scene.csv", "verdicts.csv"];
 const MANIFEST: &str = "manifest.json";
 const PLOTS: [&str; 2] = ["plots/penumbra-eclipse-profile.svg", "plots/penumbra-eclipse-variance.svg"];
 /// Two numbers of a table are the same within this part of the larger: far above the last digits, in which mathematical

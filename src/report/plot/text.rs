@@ -186,7 +186,7 @@ mod tests {
     #[test]
     fn an_outline_is_the_letters_own() {
         // A stem of 9.8 % of an em that reaches from the base line to the height of capitals.
-        assert_eq!(outline('I', false), "M201 0v-1493h202v1493h-202z");
+        assert_eq!(outline('I', false), "M201-1493h202v1493h-202v-1493z");
         assert_eq!(outline('O', false).matches('M').count(), 2, "outside and inside");
         assert_eq!(outline(' ', true), "");
     }
