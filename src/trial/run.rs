@@ -307,12 +307,11 @@ mod tests {
     fn a_case_is_given_up_between_two_units_of_work() {
         // Years, were it not given up.
         let traced = AtomicU64::new(0);
-        let cut = two(1 << 50, &|told| match told {
-            Progress::Traced { rays: 1.., .. } if traced.fetch_add(1, Ordering::Relaxed) >= 2 => {
-                ControlFlow::Break(())
+        let cut = two(1 << 50, &|told| {
+            if let Progress::Traced { rays: 1.., .. } = told {
+                traced.fetch_add(1, Ordering::Relaxed);
             }
-            Progress::Begun(_) if traced.load(Ordering::Relaxed) > 0 => ControlFlow::Break(()),
-            _ => ControlFlow::Continue(()),
+            if traced.load(Ordering::Relaxed) > 2 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         });
         assert_eq!((names(&cut).len(), cut.missing.len()), (0, 2));
         assert_eq!(traced.load(Ordering::Relaxed), 3, "nothing more was done");
