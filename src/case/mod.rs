@@ -36,6 +36,8 @@ mod optics;
 mod picture;
 mod place;
 mod read;
+#[cfg(test)]
+mod reference;
 #[cfg_attr(not(feature = "studies"), path = "plain.rs")]
 mod render;
 pub mod schema;

@@ -17,9 +17,33 @@ use crate::scene::Surroundings;
 /// Keys the streams of guests apart from those of etendue's own strategies.
 const GUEST: u64 = u64::from_le_bytes(*b"a guest ");
 
-/// A point set in the unit square.
+/// A point set in the unit square, which etendue puts on the sources by area.
 ///
 /// Also any closure `|draws: &mut Draws, points: &mut [[f64; 2]]|`.
+///
+/// ```
+/// use etendue::{Case, Draws, PointSampler, judge};
+///
+/// /// One point in each of N strips, jittered in it.
+/// struct Strips;
+///
+/// impl PointSampler for Strips {
+///     fn points(&self, draws: &mut Draws, points: &mut [[f64; 2]]) {
+///         let n = points.len() as f64;
+///         for (k, point) in points.iter_mut().enumerate() {
+///             *point = [(k as f64 + draws.unit()) / n, draws.unit()];
+///         }
+///     }
+/// }
+///
+/// let case = Case::shipped("penumbra/eclipse")?;
+/// let judgement = judge(&case).quick().samples(&[16]).points("strips", &Strips);
+/// judgement.assert_passes();
+/// // What the pass says: it would have seen a bias of this size in the mean over the points (relative).
+/// let seen = judgement.judged().and_then(|judged| judged.smallest_bias_mean);
+/// assert!(seen.is_some_and(|bias| bias < 0.05));
+/// # Ok::<(), etendue::case::SelectError>(())
+/// ```
 pub trait PointSampler: Sync {
     /// Puts the points of one estimate, fresh ones each time.
     ///
@@ -38,6 +62,31 @@ impl<F: Fn(&mut Draws, &mut [[f64; 2]]) + Sync> PointSampler for F {
 /// A whole estimator of direct irradiance.
 ///
 /// Also any closure `|room: &Configuration, point: &MeasurementPoint, samples: u64, draws: &mut Draws| -> f64`.
+///
+/// ```
+/// use etendue::configuration::MeasurementPoint;
+/// use etendue::{Case, Configuration, Draws, Verdict, judge};
+///
+/// /// A disk of radius 0.5 m at 2 m that faces down, 1 W/m², over a level floor: E, W/m².
+/// fn disk(_: &Configuration, point: &MeasurementPoint, samples: u64, draws: &mut Draws, r: fn(f64) -> f64) -> f64 {
+///     let mut sum = 0.0;
+///     for _ in 0..samples {
+///         let (radius, turn) = (0.5 * r(draws.unit()), std::f64::consts::TAU * draws.unit());
+///         let (dx, dy) = (radius * turn.cos() - point.position().x, radius * turn.sin() - point.position().y);
+///         sum += 4.0 / (dx * dx + dy * dy + 4.0).powi(2);
+///     }
+///     0.25 * sum / samples as f64 // A M / π, and the mean of cosθᵢ cosθₛ / d²
+/// }
+///
+/// let case = Case::shipped("direct/disk-over-plane")?;
+/// let judge = || judge(&case).quick().samples(&[4]);
+/// let uniform = |room: &_, point: &_, n, draws: &mut _| disk(room, point, n, draws, f64::sqrt);
+/// judge().estimator("r = R √u", &uniform).assert_passes();
+/// // Points that crowd in the middle are 1 % off in the mean.
+/// let crowded = |room: &_, point: &_, n, draws: &mut _| disk(room, point, n, draws, |u| u);
+/// assert_eq!(judge().estimator("r = R u", &crowded).verdict(), Verdict::Fail);
+/// # Ok::<(), etendue::case::SelectError>(())
+/// ```
 pub trait IrradianceEstimator: Sync {
     /// One estimate, W/m²: of the light that comes straight from the sources.
     ///

@@ -26,6 +26,22 @@ use crate::texture::Texture;
 /// width, so that what is left keeps its digits.
 ///
 /// Prepared once (meshes become outlines); then every question is independent of every other.
+///
+/// ```
+/// use etendue::configuration::MeasurementPoint;
+/// use etendue::geometry::DVec3;
+/// use etendue::oracle::Region;
+/// use etendue::{Case, Oracle};
+///
+/// let case = Case::shipped("penumbra/eclipse")?;
+/// let oracle = Oracle::new(&case.configuration);
+/// // A point of the penumbra, tilted towards the light: any place and any direction, metres.
+/// let truth = oracle.at(&MeasurementPoint::new(DVec3::new(0.7, 0.0, 0.0), DVec3::new(-0.2, 0.0, 1.0))?);
+/// assert_eq!(truth.region, Region::Penumbra);
+/// assert!(truth.irradiance < truth.unoccluded_irradiance);
+/// assert!(truth.bound.watts_per_square_metre() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Oracle {
     /// A power of two that brings the configuration's lengths near one: form factors do not feel it, and nothing

@@ -307,9 +307,11 @@ pub struct JudgedProperty {
     pub evidence: f64,
     /// log10 of the capital at which a verdict fails.
     pub threshold: f64,
-    /// Relative deviation with its 95 % interval: of the mean over points, or of what failed worst.
+    /// Relative deviation (0.01 is one per cent too much) with its 95 % interval: of the mean over points, or of what failed worst.
     pub effect: f64,
+    /// Lower end of that interval, relative.
     pub effect_low: f64,
+    /// Upper end, relative.
     pub effect_high: f64,
     /// What would have been caught with 99 % probability, relative; `None` where no light is due anywhere. Of a variance: a
     /// deviation of all variances alike.

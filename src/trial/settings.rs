@@ -21,16 +21,21 @@ pub enum Effort {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Overrides {
     pub strategies: Option<Vec<Strategy>>,
+    /// Points on each source, per shading point and replicate: the N that are studied, each 1 or more.
     pub samples: Option<Vec<u64>>,
+    /// Independent repeats of each estimate.
     pub replicates: Option<Replicates>,
+    /// Relative: what a pass must have been able to see.
     pub smallest_bias: Option<SmallestBias>,
 }
 
 /// A run's settings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
+    /// Base of all random streams: the same seed gives the same numbers, for any number of threads.
     pub seed: u64,
     pub effort: Effort,
+    /// What stands here stands instead of every case's own.
     pub overrides: Overrides,
 }
 

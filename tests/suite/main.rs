@@ -10,6 +10,7 @@ mod command_line;
 mod compare;
 mod convergence;
 mod determinism;
+mod docs;
 mod estimator_laws;
 mod exact;
 mod examples;
