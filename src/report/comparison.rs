@@ -104,10 +104,12 @@ fn summary(comparison: &Comparison) -> String {
     let same = comparison.compared - comparison.verdicts.len();
     let more = comparison.variances.iter().filter(|change| change.is_worse()).count();
     let less = comparison.variances.iter().filter(|change| change.is_better()).count();
+    let plural = |n: usize| if n == 1 { "" } else { "s" };
+    let (verdicts, variances) = (comparison.compared, comparison.variances.len());
     format!(
-        "{} verdicts: {worse} worse, {better} better, {same} the same; {} variances: {more} more, {less} less beyond doubt",
-        comparison.compared,
-        comparison.variances.len()
+        "{verdicts} verdict{}: {worse} worse, {better} better, {same} the same; {variances} variance{}: {more} more, {less} less beyond doubt",
+        plural(verdicts),
+        plural(variances)
     )
 }
 

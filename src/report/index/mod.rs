@@ -419,7 +419,7 @@ fn pictures(pictures: &[(String, Vec<u8>)]) -> String {
             base64(png)
         );
     }
-    html + "</div>\n<figcaption>Square on, 16 samples a pixel. Error: estimate less exact; orange is too bright, blue too dark. \
+    html + "</div>\n<figcaption>Square on (a ball unrolled), 16 samples a pixel. Error: estimate less exact; orange is too bright, blue too dark. \
             Keys ← and → change the picture.</figcaption></figure>\n"
 }
 

@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use crate::configuration::Role;
 use crate::oracle::Region;
 use crate::report::page::{escaped, two_digits};
 use crate::report::record::{CaseRecord, RateRecord, ReportRecord, StrategyRecord};
@@ -96,10 +97,15 @@ fn over_cases(record: &ReportRecord, name: &str, samples: u64) -> Option<Compare
     })
 }
 
-/// The first penumbra that there are pictures of, exact and by each strategy side by side.
+/// A shadow that there are pictures of, exact and by each strategy side by side; the first with an umbra, if there is one.
 fn beside(record: &ReportRecord, pictures: &dyn Fn(usize) -> Vec<(String, Vec<u8>)>) -> String {
-    let penumbras = (0..record.cases.len()).filter(|k| penumbra(&record.cases[*k], BASE).is_some());
-    let shown = penumbras.map(|k| (k, pictures(k))).find(|(_, pictures)| pictures.len() > 2);
+    let has_shadow = |k: &usize| {
+        let case = &record.cases[*k];
+        penumbra(case, BASE).is_some() && case.figures.iter().any(|figure| figure.role == Role::Occluder)
+    };
+    let mut shadows: Vec<usize> = (0..record.cases.len()).filter(has_shadow).collect();
+    shadows.sort_by_key(|k| !record.cases[*k].points.iter().any(|point| point.region == Region::Umbra));
+    let shown = shadows.into_iter().map(|k| (k, pictures(k))).find(|(_, pictures)| pictures.len() > 2);
     let Some((k, pictures)) = shown else { return String::new() };
     let figures: String = pictures
         .iter()

@@ -9,16 +9,12 @@ use super::text;
 
 /// Pixels for each point of a page.
 const SCALE: f64 = 2.0;
-/// Areas are drawn on a grid so much finer and averaged: edges come out smooth.
-const FINER: usize = 2;
 
 /// The page as RGB, `[height][width][3]`, with its width and height.
 pub fn drawn(page: &Page) -> Result<(Vec<u8>, (u32, u32)), String> {
     let size = ((page.width * SCALE) as u32, (page.height * SCALE) as u32);
-    let finer = (size.0 * FINER as u32, size.1 * FINER as u32);
-    let mut drawn = vec![0; 3 * finer.0 as usize * finer.1 as usize];
-    draw(page, &BitMapBackend::with_buffer(&mut drawn, finer).into_drawing_area()).map_err(|e| e.to_string())?;
-    let mut pixels = averaged(&drawn, size.0 as usize);
+    let mut pixels = vec![0; 3 * (size.0 * size.1) as usize];
+    draw(page, &BitMapBackend::with_buffer(&mut pixels, size).into_drawing_area()).map_err(|e| e.to_string())?;
     text::set_texts(&mut pixels, size.0 as usize, SCALE, page.texts());
     Ok((pixels, size))
 }
@@ -26,39 +22,12 @@ pub fn drawn(page: &Page) -> Result<(Vec<u8>, (u32, u32)), String> {
 type Paper<'a> = DrawingArea<BitMapBackend<'a>, Shift>;
 type Drawn<'a> = Result<(), DrawingAreaErrorKind<<BitMapBackend<'a> as DrawingBackend>::ErrorType>>;
 
-/// Each pixel the mean of the finer ones in its place.
-///
-/// - `width`: of the coarse picture, pixels
-fn averaged(drawn: &[u8], width: usize) -> Vec<u8> {
-    const SHARE: u32 = (FINER * FINER) as u32;
-    let row = 3 * width * FINER;
-    let mut pixels = Vec::with_capacity(drawn.len() / SHARE as usize);
-    for rows in drawn.chunks_exact(row * FINER) {
-        for x in 0..width {
-            for k in 0..3 {
-                let places = (0..FINER * FINER).map(|i| (i / FINER) * row + 3 * (x * FINER + i % FINER) + k);
-                let sum: u32 = places.map(|place| u32::from(rows[place])).sum();
-                pixels.push(((sum + SHARE / 2) / SHARE) as u8);
-            }
-        }
-    }
-    pixels
-}
-
-const FINE: f64 = SCALE * FINER as f64;
-
 fn device((x, y): At) -> (i32, i32) {
-    ((x * FINE).round() as i32, (y * FINE).round() as i32)
-}
-
-/// The corners on the finer grid; what goes along the axes only lies on whole pixels, and is crisp.
-fn devices(through: &[At]) -> Vec<(i32, i32)> {
-    let is_upright = through.windows(2).all(|ends| ends[0].0 == ends[1].0 || ends[0].1 == ends[1].1);
-    let whole = |v: f64| (v * SCALE).round() as i32 * FINER as i32;
-    through.iter().map(|at| if is_upright { (whole(at.0), whole(at.1)) } else { device(*at) }).collect()
+    ((x * SCALE).round() as i32, (y * SCALE).round() as i32)
 }
 
 fn draw<'a>(page: &Page, paper: &Paper<'a>) -> Drawn<'a> {
+    let devices = |points: &[At]| points.iter().map(|p| device(*p)).collect::<Vec<_>>();
     paper.fill(&WHITE)?;
     for ink in page.inks() {
         match ink {
@@ -72,7 +41,7 @@ fn draw<'a>(page: &Page, paper: &Paper<'a>) -> Drawn<'a> {
                 paper.draw(&Polygon::new(devices(outline), colour.mix(*opacity).filled()))?;
             }
             Ink::Marker { at, marker: Marker::Circle, colour, size } => {
-                paper.draw(&Circle::new(device(*at), (size * FINE).round() as i32, colour.filled()))?;
+                paper.draw(&Circle::new(device(*at), (size * SCALE).round() as i32, colour.filled()))?;
             }
             Ink::Marker { at, marker, colour, size } => {
                 let outline: Vec<At> =
@@ -97,10 +66,12 @@ fn draw<'a>(page: &Page, paper: &Paper<'a>) -> Drawn<'a> {
 
 /// Piece by piece: where a line turns sharply, plotters' joints grow into spikes.
 fn line<'a>(paper: &Paper<'a>, through: &[At], colour: Colour, width: f64) -> Drawn<'a> {
-    let style = colour.stroke_width((width * FINE).round().max(1.0) as u32);
-    let through = devices(through);
-    let pieces = through.windows(2).filter(|ends| ends[0] != ends[1]);
-    pieces.map(|ends| [ends[0], ends[1]]).try_for_each(|ends| paper.draw(&PathElement::new(ends, style)))
+    let style = colour.stroke_width((width * SCALE).round().max(1.0) as u32);
+    through
+        .windows(2)
+        .map(|ends| [device(ends[0]), device(ends[1])])
+        .filter(|[from, to]| from != to)
+        .try_for_each(|ends| paper.draw(&PathElement::new(ends, style)))
 }
 
 /// A picture of other pixels: each the mean of those that it covers, or a copy of the one that it lies in.
@@ -130,25 +101,6 @@ fn resampled(columns: usize, colours: &[[u8; 3]], [width, height]: [usize; 2]) -
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn ink_covers_the_area_of_its_mark() {
-        let mut page = Page::new(20.0, 20.0);
-        page.marker((10.2, 9.7), Marker::Circle, Colour(0, 0, 0), 5.0);
-        let (pixels, _) = drawn(&page).unwrap();
-        let dark: f64 = pixels.iter().map(|value| 1.0 - f64::from(*value) / 255.0).sum::<f64>() / 3.0;
-        // In pixels, of which two are a point.
-        approx::assert_relative_eq!(dark, std::f64::consts::PI * 100.0, max_relative = 0.05);
-        assert!(pixels.iter().any(|value| (1..255).contains(value)), "its edge is smooth");
-    }
-
-    #[test]
-    fn upright_rectangles_are_crisp() {
-        let mut page = Page::new(10.0, 10.0);
-        page.rectangle((2.1, 6.07), (4.1, 8.03), Colour(0, 0, 0), 1.0);
-        let (pixels, _) = drawn(&page).unwrap();
-        assert!(pixels.iter().all(|value| *value == 0 || *value == 255));
-    }
 
     #[test]
     fn a_picture_of_other_pixels_shows_the_same() {
