@@ -36,14 +36,14 @@ type Found = Result<Vec<Case>, String>;
 pub(super) fn watch(options: &Run) -> Result<u8, u8> {
     let selectors = &options.work.cases;
     on_disk(selectors)?;
-    // A mistake in a file is waited out; a selector that names nothing is one of the command line.
-    let first = read(selectors);
     let interrupt = Interrupt::heard()?;
     report::claim(&options.out).map_err(|error| fault(exit::OUTPUT, error))?;
     set_threads(options.work.threads)?;
     let (stir, stirred) = channel();
     let mut folders = Folders::new(stir)?;
     folders.watch(selectors)?;
+    // Watched before they are read, so that no change is missed. A mistake in a file is waited out.
+    let first = read(selectors);
     let (version, ended) = (AtomicU64::new(0), AtomicBool::new(false));
     let (tell, news) = channel();
     thread::scope(|scope| {

@@ -54,7 +54,9 @@ pub(super) fn of_case(dir: &Path, stem: &str, case: &CaseRecord) -> Vec<(String,
     // Something else may lie under such a name; a page would show it broken.
     let png = |name: &str| of(name).filter(|bytes| bytes.starts_with(b"\x89PNG\r\n\x1a\n"));
     let exact = png("exact").map(|bytes| ("exact".to_owned(), bytes));
-    let names = || case.strategies.iter().map(|made| made.name.as_str());
+    // A guest may be called what a picture is.
+    let own = || case.strategies.iter().filter(|made| made.known().is_some());
+    let names = || own().map(|made| made.name.as_str());
     let shown = super::index::shown;
     let estimates = names().filter_map(|name| Some((shown(name), png(name)?)));
     let errors =

@@ -284,6 +284,51 @@ fn a_reader_can_use_the_page_wide_and_narrow_light_and_dark() {
     }
 }
 
+/// The answer's numbers, from the tables by another way: one penumbra, so that medians are its values.
+#[test]
+fn the_advice_is_what_the_tables_say() {
+    let rows = |file: &str| -> Vec<std::collections::BTreeMap<String, String>> {
+        csv::Reader::from_path(report().join(file)).unwrap().deserialize().map(Result::unwrap).collect()
+    };
+    let number = |row: &std::collections::BTreeMap<String, String>, column: &str| row[column].parse::<f64>().unwrap();
+    let variance = |strategy: &str| {
+        let curves = rows("curves.csv");
+        let is_it = |row: &&std::collections::BTreeMap<String, String>| {
+            row["strategy"] == strategy && row["region"] == "penumbra" && row["samples"] == "16"
+        };
+        let found: Vec<f64> = curves.iter().filter(is_it).map(|row| number(row, "value_W2_m4")).collect();
+        assert_eq!(found.len(), 1, "one penumbra");
+        found[0]
+    };
+    let page = page(report());
+    let section = page.split("id=\"sampler\"").nth(1).and_then(|rest| rest.split("</section>").next()).unwrap();
+    let told = section.split("times less variance").next().and_then(|text| text.rsplit("they have ").next()).unwrap();
+    let told: f64 = told.trim().parse().unwrap();
+    let due = variance("random") / variance("stratified");
+    assert!((told / due - 1.0).abs() < 0.06 && due > 1.5, "{told} is told, {due} is due");
+    let nearest = rows("correlation.csv")
+        .into_iter()
+        .filter(|row| {
+            row["strategy"] == "correlated" && row["samples"] == "16" && row["case"].starts_with("<script>")
+        })
+        .min_by(|a, b| number(a, "separation_m").total_cmp(&number(b, "separation_m")))
+        .map(|row| number(&row, "correlation"))
+        .unwrap();
+    assert!(section.contains(&format!("(correlation {nearest:.2} in the median")), "{nearest}: {section}");
+    // Forty replicates are too few for a verdict, and the advice says so.
+    assert!(section.contains("Some of its verdicts are undecided") && section.contains("mark undecided"));
+}
+
+#[test]
+fn a_report_without_penumbras_has_no_advice_and_no_link_to_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let run =
+        etendue().args(["run", "caustic/paraboloid", "--quick", "--quiet", "--out"]).arg(folder.path()).output();
+    assert_eq!(run.unwrap().status.code(), Some(0));
+    let page = page(folder.path());
+    assert!(!page.contains("#sampler\"") && !page.contains("id=\"sampler\""));
+}
+
 #[test]
 fn what_failed_comes_first_with_the_command_that_repeats_it() {
     let copy = copied();
@@ -293,7 +338,7 @@ fn what_failed_comes_first_with_the_command_that_repeats_it() {
     let mut rows: Vec<Vec<String>> =
         reader.records().map(|row| row.unwrap().iter().map(str::to_owned).collect()).collect();
     let row =
-        rows.iter_mut().find(|row| row[0].starts_with("<script>") && row[1] == "correlated" && row[2] == "bias");
+        rows.iter_mut().find(|row| row[0].starts_with("<script>") && row[1] == "stratified" && row[2] == "bias");
     let row = row.unwrap();
     (row[3], row[4]) = ("fail".to_owned(), "8.25".to_owned());
     let again = row[11].clone();
@@ -304,7 +349,10 @@ fn what_failed_comes_first_with_the_command_that_repeats_it() {
     assert_eq!(rebuilt(copy.path()).0, Some(0));
     let page = page(copy.path());
     assert!(page.contains("<h1>One verdict failed.</h1>"));
-    assert!(page.contains("<b>Not shared points</b>"), "no advice to use what failed");
+    assert!(
+        page.contains("<b>Not stratified</b>") && !page.contains("use <span class=\"s-stratified\">"),
+        "no advice to use it"
+    );
     let alarm = page.split("class=\"alarm\"").nth(1).unwrap();
     assert!(page.find("class=\"alarm\"") < page.find("id=\"sampler\""), "before all else");
     let escaped = again.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('\'', "&#39;");

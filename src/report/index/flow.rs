@@ -59,7 +59,7 @@ pub fn flow(case: &CaseRecord) -> String {
         let y = right + 0.5 * part + 4.0;
         let _ = writeln!(
             svg,
-            "<text x=\"{0}\" y=\"{y:.1}\">{name} {share} %</text><title>{name}: {1} W, {where_to}</title>",
+            "<text x=\"{0}\" y=\"{y:.1}\">{name} {share} %<title>{1} W {where_to}</title></text>",
             to + 8.0,
             two_digits(watts)
         );

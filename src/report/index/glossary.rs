@@ -9,6 +9,7 @@ pub const SECTION: &str = "<section id=\"glossary\">
 <dt>Albedo, ϱ</dt><dd>Share of arriving light that a diffuse surface sends back, 0 to 1.</dd>
 <dt>Form factor, view factor, configuration factor</dt><dd>Three names of one number: the irradiance at a patch over the exitance of a source, from 0 to 1.</dd>
 <dt>Umbra, penumbra, lit</dt><dd>Where none, a part, or all of the source is seen. Below the horizon: the source is behind the surface. Edge: too near a border to tell within the exact value’s bound.</dd>
+<dt>Strata</dt><dd>Equal cells of the source, one for each of N points.</dd>
 <dt>Sample, N</dt><dd>A point on the source with a shadow ray to it. An estimate averages N of them (on each source).</dd>
 <dt>Replicate</dt><dd>One independent repeat of all estimates. Bias and variance are taken over replicates.</dd>
 <dt>Random</dt><dd>N independent points, fresh for each place on the receiver.</dd>

@@ -8,7 +8,15 @@ const LOOKS = {
 };
 const REGIONS = { l: 'lit', p: 'penumbra', u: 'umbra', b: 'below horizon', e: 'edge' };
 const SHADES = { l: '', p: 'var(--penumbra)', u: 'var(--umbra)', b: 'var(--below)', e: 'var(--edge)' };
-const look = (name) => ({ colour: `var(--c-${name in LOOKS ? name : 'guest'})`, marker: (LOOKS[name] || ['funnel', '4 2.5'])[0], dash: (LOOKS[name] || ['funnel', '4 2.5'])[1] });
+// Guests differ in mark and dash, in the order in which they are met.
+const GUESTS = [['funnel', '4 2.5'], ['plus', '2 3'], ['star', '8 3'], ['diamond', '13 4'], ['square', '4 2.5 1 2.5']];
+const guests = new Map();
+const look = (name) => {
+  const known = Object.hasOwn(LOOKS, name);
+  if (!known && !guests.has(name)) guests.set(name, guests.size);
+  const [marker, dash] = known ? LOOKS[name] : GUESTS[guests.get(name) % GUESTS.length];
+  return { colour: `var(--c-${known ? name : 'guest'})`, marker, dash };
+};
 const shown = (name) => (name === 'correlated' ? 'shared points' : name);
 
 // Numbers as people write them.
@@ -234,6 +242,9 @@ const CHARTS = {
     regions.sort((a, b) => order.indexOf(a) - order.indexOf(b));
     const all = c.strategies.flatMap((s) => s.curves.flatMap((k) => k.points)).filter((p) => p[1] > 0);
     const x = counts(all.map((p) => p[0])), y = log(Math.min(...all.map((p) => (p[2] > 0 ? p[2] : p[1]))) / 2, Math.max(...all.map((p) => p[3])) * 2);
+    // Fitted slopes with their 95 % intervals, region by region.
+    const slopes = (s) => regions.map((region) => [region, s.curves.find((k) => k.region === region && k.points.length)]).filter(([, k]) => k)
+      .map(([region, k]) => `${regions.length > 1 ? region.replace('_', ' ') + ' ' : ''}${number(k.slope)} ± ${number((k.high - k.low) / 2, 1)}`).join(', ');
     const panels = regions.map((region) => {
       const curves = c.strategies.map((s) => [s, s.curves.find((k) => k.region === region)]).filter(([, k]) => k && k.points.some((p) => p[1] > 0));
       const guides = [...new Set(curves.map(([, k]) => k.asymptote).filter((v) => v !== null))].sort((a, b) => b - a).map((slope, i) => {
@@ -245,7 +256,7 @@ const CHARTS = {
       return {
         title: regionName(region), x, y, xName: 'samples N', yName: 'variance (W²/m⁴)', guides, room: 30, where: (n) => `N = ${n}`,
         series: curves.map(([s, k]) => ({
-          name: shown(s.name), ...look(s.name), band: true, line: true, marks: true, points: k.points.filter((p) => p[1] > 0),
+          name: shown(s.name), ...look(s.name), band: true, line: true, marks: true, note: `(slope ${slopes(s)})`, points: k.points.filter((p) => p[1] > 0),
           fit: k.intercept === null ? null : [k.points[0][0], k.points[k.points.length - 1][0]].map((n) => [n, Math.exp(k.intercept + k.slope * Math.log(n))]),
           tell: (p) => `${number(p[1])} (${number(p[2], 2)} … ${number(p[3], 2)}), slope ${number(k.slope)} ± ${number((k.high - k.low) / 2, 1)}, expected ${number(k.expected)}`,
         })),
@@ -256,10 +267,10 @@ const CHARTS = {
   bias(figure, c) {
     const made = c.strategies.filter((s) => s.biases.length), all = made.flatMap((s) => s.biases);
     if (!all.length) return void figure.remove();
-    const reach = Math.max(...all.map(([, b, e]) => Math.abs(b) + 1.96 * e), ...made.map((s) => s.seen || 0)) * 1.1;
+    const reach = Math.max(...all.map(([, b, e]) => Math.abs(b) + 1.96 * e), ...made.map((s) => s.seen || 0)) * 1.1 || 1e-9;
     const finest = Math.min(...all.map(([, , e]) => e).filter((e) => e > 0));
     // Linear about zero, logarithmic beyond: errors shrink a hundredfold from the first N to the last.
-    const bend = Math.max(finest, reach / 3000), along = (v) => Math.asinh(v / bend) / Math.asinh(reach / bend);
+    const bend = Math.max(isFinite(finest) ? finest : 0, reach / 3000), along = (v) => Math.asinh(v / bend) / Math.asinh(reach / bend);
     const ticks = [[0, '0']];
     const decades = [];
     for (let k = Math.ceil(Math.log10(bend)); 10 ** k <= reach; k++) decades.push(k);
@@ -276,11 +287,11 @@ const CHARTS = {
   },
   profile(figure, c) {
     const made = c.strategies.filter((s) => s.bias.length === c.exact.length);
-    figure.querySelector('h4').textContent = `Irradiance, N = ${c.samples}`;
+    if (c.samples) figure.querySelector('h4').textContent = `Irradiance, N = ${c.samples}`;
     if (c.kind === 'map') return maps(figure, c, made);
     const line = c.kind === 'line', last = c.along[c.along.length - 1];
-    const x = line ? linear(c.along[0], last) : { ...linear(-0.5, c.along.length - 0.5, 8) };
-    if (!line) x.ticks = x.ticks.filter(([v]) => Number.isInteger(v) && v >= 0 && v < c.along.length).map(([v]) => [v, String(v)]);
+    const x = line ? linear(c.along[0], last) : { ...linear(-0.5, last + 0.5, 8) };
+    if (!line) x.ticks = x.ticks.filter(([v]) => Number.isInteger(v) && v >= 0 && v <= last).map(([v]) => [v, String(v)]);
     const top = Math.max(...c.exact, ...made.flatMap((s) => c.exact.map((e, k) => e + s.spread[k])));
     const reach = Math.max(...made.flatMap((s) => s.bias.map((b, k) => Math.abs(b) + 1.96 * s.error[k]))) || 1e-3 * (top || 1);
     const regions = [];
@@ -318,8 +329,8 @@ const CHARTS = {
   },
   caustic(figure, c) {
     const orders = [...new Set(c.rings.map((r) => r[0]))], lit = c.rings.filter((r) => r[4] > 0 || r[2] > 0);
-    const high = Math.max(...lit.map((r) => Math.max(r[4], r[2] + 1.96 * r[3]))), several = orders.length > 1;
-    const y = several ? log(Math.min(...lit.map((r) => r[4]).filter((v) => v > 0)) / 2, high * 2) : linear(0, 1.05 * high);
+    const high = Math.max(0, ...lit.map((r) => Math.max(r[4], r[2] + 1.96 * r[3]))) || 1, several = orders.length > 1;
+    const y = several ? log(Math.min(high / 10, ...lit.map((r) => r[4]).filter((v) => v > 0)) / 2, high * 2) : linear(0, 1.05 * high);
     const looks = ['random', 'correlated', 'stratified', 'multi-jittered'];
     const series = orders.map((order, k) => {
       const rings = c.rings.filter((r) => r[0] === order);
@@ -338,7 +349,7 @@ const CHARTS = {
       x: log(Math.min(...sizes) / 1.4, Math.max(...sizes) * 1.4), y: log(Math.min(...errors) / 2, Math.max(...errors) * 2), xName: 'size of a texel (m)', yName: 'relative error (rms)', where: (v) => `${number(v)} m`,
       guides: last.length > 1 ? [{ class: 'exact dotted', points: last.map((t) => [t[1], t[4]]) }] : [],
       series: budgets.map((rays, k) => ({ name: `${rays.toLocaleString('en').replaceAll(',', '\u202f')} rays`, ...look(looks[k % 4]), line: true, marks: true,
-        fit: c.texels.filter((t) => t[0] === rays).map((t) => [t[1], t[3]]), points: c.texels.filter((t) => t[0] === rays && t[2] > 0).map((t) => [t[1], t[2], t[3]]),
+        fit: c.texels.filter((t) => t[0] === rays && t[3] > 0).map((t) => [t[1], t[3]]), points: c.texels.filter((t) => t[0] === rays && t[2] > 0).map((t) => [t[1], t[2], t[3]]),
         tell: (p) => `noise ${percent(p[1])}, predicted ${percent(p[2])}` })),
     }], { label: 'What texels are off by' });
   },
@@ -418,7 +429,12 @@ function maps(figure, c, made) {
 // Charts are drawn when they come to be seen.
 const drawIn = (element) => element.querySelectorAll('[data-chart]').forEach((figure) => {
   const owner = figure.closest('[data-case]');
-  CHARTS[figure.dataset.chart](figure, owner ? cases[owner.dataset.case] : null);
+  try {
+    CHARTS[figure.dataset.chart](figure, owner ? cases[owner.dataset.case] : null);
+  } catch (error) {
+    // The rest of the page goes on.
+    console.error(`${figure.dataset.chart} of ${owner ? cases[owner.dataset.case].name : 'all'}: ${error.message}`);
+  }
 });
 const details = [...document.querySelectorAll('details.case')];
 details.forEach((element) => element.addEventListener('toggle', () => { if (element.open) drawIn(element); }));
@@ -432,7 +448,8 @@ const goTo = () => {
 addEventListener('hashchange', goTo);
 goTo();
 document.querySelectorAll('[data-all]').forEach((button) => button.addEventListener('click', () => details.forEach((element) => (element.open = button.dataset.all === 'open'))));
-addEventListener('beforeprint', () => details.forEach((element) => (element.open = true)));
+// An opened case says so later than paper waits.
+addEventListener('beforeprint', () => details.forEach((element) => { if (!element.open) { element.open = true; drawIn(element); } }));
 let resized, width = innerWidth;
 addEventListener('resize', () => {
   if (innerWidth === width) return;

@@ -14,6 +14,7 @@ mod verdicts;
 
 use std::fmt::Write as _;
 
+use super::folder::FILES;
 use super::page::{STYLE, escaped, two_digits};
 use super::record::{CaseRecord, ReportRecord, VerdictRecord};
 use crate::oracle::Region;
@@ -40,11 +41,12 @@ pub(super) struct Beside<'a> {
 
 /// The page.
 pub(super) fn page(record: &ReportRecord, beside: &Beside) -> String {
-    let mut body = head(record);
+    let sampler = sampler::section(record, beside.pictures);
+    let mut body = head(record, !sampler.is_empty());
     body += &failures(record);
     body += &faults(record);
     body += &chapters(record);
-    body += &sampler::section(record, beside.pictures);
+    body += &sampler;
     body += &verdicts::section(record);
     body += "<section id=\"cases\">\n<h2>Cases</h2>\n<p class=\"tools\"><button type=\"button\" data-all=\"open\">Open \
              all</button> <button type=\"button\" data-all=\"close\">Close all</button></p>\n";
@@ -63,13 +65,15 @@ pub(super) fn page(record: &ReportRecord, beside: &Beside) -> String {
     }
     body += "</section>\n";
     body += glossary::SECTION;
+    let tables = FILES.iter().filter(|file| file.ends_with(".csv"));
+    let tables: Vec<String> = tables.map(|file| format!("<a href=\"{file}\">{file}</a>")).collect();
     body += &format!(
-        "<footer><p>etendue {} · seed {} · <code>{}</code> · tables: {}; Times are on a page of their own, <a href=\"timings.html\">timings.html</a>: they alone differ from \
+        "<footer><p>etendue {} · seed {} · <code>{}</code> · tables: {}. Times are on a page of their own, <a href=\"timings.html\">timings.html</a>: they alone differ from \
          run to run.</p></footer>\n",
         escaped(&record.version),
         escaped(&record.seed),
         escaped(&record.command),
-        TABLES.map(|file| format!("<a href=\"{file}\">{file}</a>")).join(", "),
+        tables.join(", "),
     );
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" \
@@ -83,19 +87,6 @@ pub(super) fn page(record: &ReportRecord, beside: &Beside) -> String {
         include_str!("index.js"),
     )
 }
-
-const TABLES: [&str; 10] = [
-    "verdicts.csv",
-    "convergence.csv",
-    "means.csv",
-    "rates.csv",
-    "curves.csv",
-    "correlation.csv",
-    "energy.csv",
-    "caustic.csv",
-    "texels.csv",
-    "paths.csv",
-];
 
 /// The folder that a case lies in.
 fn chapter_of(name: &str) -> &str {
@@ -118,15 +109,19 @@ fn summary(record: &ReportRecord) -> String {
 
 /// The worst verdict of a case: fail, then undecided.
 fn worst(case: &CaseRecord) -> Option<Verdict> {
-    let rank = |verdict: &Verdict| match verdict {
-        Verdict::Fail => 0,
-        Verdict::Undecided => 1,
-        Verdict::Pass => 2,
-    };
     case.verdicts.iter().map(|judged| judged.verdict).min_by_key(rank)
 }
 
-fn head(record: &ReportRecord) -> String {
+/// Worst first.
+fn rank(verdict: &Verdict) -> u8 {
+    match verdict {
+        Verdict::Fail => 0,
+        Verdict::Undecided => 1,
+        Verdict::Pass => 2,
+    }
+}
+
+fn head(record: &ReportRecord, has_sampler: bool) -> String {
     let [failed, undecided, passed] = counts(record);
     let cases = record.cases.len();
     let word = match (failed, undecided) {
@@ -143,7 +138,7 @@ fn head(record: &ReportRecord) -> String {
     format!(
         "<header>\n<h1>{word}</h1>\n<p class=\"lead\">etendue {} measured Monte Carlo estimates of light from area sources in {cases} \
          case{} and held them against the exact values. <code>{}</code></p>\n<ul class=\"tiles\">{}{}{}</ul>\n\
-         <nav aria-label=\"On this page\"><a href=\"#sampler\">Which sampler?</a> <a href=\"#verdicts\">Verdicts</a> \
+         <nav aria-label=\"On this page\">{}<a href=\"#verdicts\">Verdicts</a> \
          <a href=\"#cases\">Cases</a> <a href=\"#glossary\">Glossary</a> <a href=\"timings.html\">Timings</a></nav>\n</header>\n",
         escaped(&record.version),
         if cases == 1 { "" } else { "s" },
@@ -151,6 +146,7 @@ fn head(record: &ReportRecord) -> String {
         tile(failed, "failed"),
         tile(undecided, "undecided"),
         tile(passed, "passed"),
+        if has_sampler { "<a href=\"#sampler\">Which sampler?</a> " } else { "" },
     )
 }
 
@@ -272,7 +268,8 @@ fn figure_of(cases: &[&CaseRecord]) -> Option<(String, String)> {
         ));
     }
     let gap = gaps.into_iter().reduce(f64::max)?;
-    Some((two_digits(gap), "of the power is unaccounted for, at most: rounding".to_owned()))
+    let rounding = if gap < 1e-12 { ": rounding" } else { "" };
+    Some((two_digits(gap), format!("of the power is unaccounted for, at most{rounding}")))
 }
 
 /// Variance of random points over that of stratified ones, in the penumbra where there is one.
@@ -337,7 +334,7 @@ fn section(record: &ReportRecord, k: usize, beside: &Beside) -> String {
         html += &figure(
             "variance",
             "Variance of one estimate",
-            "Marks: mean over the points, with 95 % band. Lines: fits. Thin: the slopes that theory gives for large N.",
+            "Marks: mean over the points, with 95 % band. Lines: fits, slopes with 95 %. Thin: the slopes that theory gives for large N.",
             &links("variance", "curves.csv"),
         );
     }

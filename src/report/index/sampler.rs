@@ -22,13 +22,14 @@ pub struct Compared {
     pub cases: usize,
     /// Variance over the base's at the same N: median, least and largest of the cases.
     pub ratio: [f64; 3],
-    /// N that has the base's variance at the shown N, by the fitted lines: median.
-    pub samples_for_same: f64,
+    /// N that has the base's variance at the shown N, by the fitted lines: median, least and largest; `None` where nothing falls.
+    pub samples_for_same: Option<[f64; 3]>,
     pub slope: f64,
     pub expected_slope: f64,
-    /// Of the errors of the nearest points: median; `None` where it was not measured.
-    pub neighbours: Option<f64>,
-    pub has_failed: bool,
+    /// Of the errors of the nearest points: median, least and largest; `None` where it was not measured.
+    pub neighbours: Option<[f64; 3]>,
+    /// In all these cases.
+    pub worst: Option<Verdict>,
 }
 
 /// All strategies in the penumbras that the base was measured in, quietest first, and the N of the comparison.
@@ -61,9 +62,11 @@ fn penumbra<'a>(case: &'a CaseRecord, name: &str) -> Option<&'a RateRecord> {
 
 fn over_cases(record: &ReportRecord, name: &str, samples: u64) -> Option<Compared> {
     let (mut ratios, mut same, mut slopes, mut expected, mut neighbours) = (vec![], vec![], vec![], vec![], vec![]);
-    let mut has_failed = false;
+    let mut worst: Option<Verdict> = None;
     for case in &record.cases {
         let (Some(own), Some(base)) = (penumbra(case, name), penumbra(case, BASE)) else { continue };
+        let judged = case.verdicts.iter().filter(|judged| judged.strategy == name).map(|judged| judged.verdict);
+        worst = judged.chain(worst).min_by_key(super::rank);
         let at = |rate: &RateRecord| rate.points.iter().find(|p| p.samples == samples).map(|p| p.value);
         let (Some(variance), Some(of_base)) = (at(own), at(base)) else { continue };
         if of_base <= 0.0 {
@@ -75,26 +78,28 @@ fn over_cases(record: &ReportRecord, name: &str, samples: u64) -> Option<Compare
         if let Some(line) = own.line.filter(|_| own.slope < 0.0) {
             same.push(((of_base.ln() - line.intercept) / own.slope).exp());
         }
-        let judged = case.verdicts.iter().filter(|judged| judged.strategy == name);
-        has_failed |= judged.into_iter().any(|judged| judged.verdict == Verdict::Fail);
         let correlations = made(case, name).map_or(&[][..], |made| &made.correlations);
-        let nearest = correlations.iter().filter(|c| c.samples == samples);
-        if let Some(nearest) = nearest.min_by(|a, b| a.separation.total_cmp(&b.separation)) {
+        let apart = correlations.iter().filter(|c| c.samples == samples && c.separation > 0.0);
+        if let Some(nearest) = apart.min_by(|a, b| a.separation.total_cmp(&b.separation)) {
             neighbours.push(nearest.correlation);
         }
     }
-    let least = ratios.iter().copied().fold(f64::INFINITY, f64::min);
-    let largest = ratios.iter().copied().fold(0.0, f64::max);
     Some(Compared {
         name: name.to_owned(),
         cases: ratios.len(),
-        ratio: [median(&mut ratios)?, least, largest],
-        samples_for_same: median(&mut same)?,
+        ratio: spread(&mut ratios)?,
+        samples_for_same: spread(&mut same),
         slope: median(&mut slopes)?,
         expected_slope: median(&mut expected)?,
-        neighbours: median(&mut neighbours),
-        has_failed,
+        neighbours: spread(&mut neighbours),
+        worst,
     })
+}
+
+/// Median, least and largest.
+fn spread(values: &mut [f64]) -> Option<[f64; 3]> {
+    let middle = median(values)?;
+    Some([middle, *values.first()?, *values.last()?])
 }
 
 /// A shadow that there are pictures of, exact and by each strategy side by side; the first with an umbra, if there is one.
@@ -145,10 +150,17 @@ pub fn shown(name: &str) -> String {
 /// Why a strategy's noise falls as it does in a penumbra.
 fn reason(name: &str) -> &'static str {
     match Strategy::from_name(name) {
-        Some(Strategy::Stratified | Strategy::UniformJitter | Strategy::MultiJittered | Strategy::Sobol) => {
+        Some(Strategy::Stratified | Strategy::MultiJittered) => {
             "Each of its N points has a cell of the source for itself. Cells that a shadow’s edge does not cut are hardly noisy; \
              only some √N of the N cells are cut. So variance falls like N⁻³ᐟ² in a penumbra (and like N⁻² in the light, where \
              nothing is cut), while points thrown without such cells leave gaps and clumps and fall like N⁻¹."
+        }
+        Some(Strategy::Sobol) => {
+            "Its points fill the source evenly at every N, so that each has about 1/N of it for itself; only those near a shadow’s \
+             edge are uncertain."
+        }
+        Some(Strategy::UniformJitter) => {
+            "A grid with one shift for all its points: it leaves no gaps, but the shift moves all of them together."
         }
         Some(Strategy::LatinHypercube) => {
             "It fills rows and columns evenly; that helps where light varies along one axis of the source at a time."
@@ -165,28 +177,41 @@ fn reason(name: &str) -> &'static str {
 pub fn section(record: &ReportRecord, pictures: &dyn Fn(usize) -> Vec<(String, Vec<u8>)>) -> String {
     let Some((samples, all)) = compared(record) else { return String::new() };
     let most = all.iter().map(|one| one.cases).max().unwrap_or(0);
-    let penumbras = if most == 1 { "the one penumbra".to_owned() } else { format!("the {most} penumbras") };
+    let measured = all.len();
     let mut html = String::from("<section id=\"sampler\">\n<h2>Which sampler for soft shadows?</h2>\n");
-    let sound: Vec<&Compared> = all.iter().filter(|one| !one.has_failed).collect();
-    match sound.first() {
+    // Those that were measured in fewer cases had others to deal with.
+    let fit = |one: &&Compared| one.worst != Some(Verdict::Fail) && one.cases == most;
+    let mut sound = all.iter().filter(fit);
+    match sound.next() {
         Some(best) if best.name != BASE && best.ratio[0] < WORTH => {
-            let share = best.ratio[0];
-            let _ = write!(
+            let name = escaped(&shown(&best.name));
+            let where_ = if most == 1 {
+                "In the one penumbra".to_owned()
+            } else {
+                format!("In the median of the {most} penumbras")
+            };
+            let same = best.samples_for_same.map_or(String::new(), |[middle, least, largest]| {
+                let range =
+                    if most > 1 { format!(" ({} to {})", whole(least), whole(largest)) } else { String::new() };
+                format!(": about {}{range} of them do what {samples} random ones do", whole(middle))
+            });
+            let _ = writeln!(
                 html,
-                "<p class=\"answer\"><b>Use <span class=\"s-{0}\">{1}</span> points.</b> In {penumbras} of this run they have \
-                 {2} times less variance than random points at N = {samples}: {3} of them are as good as {samples} random \
-                 ones.</p>\n<p>{4}</p>\n",
+                "<p class=\"answer\"><b>Of the {measured} measured here, use <span class=\"s-{}\">{name}</span> points.</b> {where_} of \
+                 this run they have {} times less variance than random points at N = {samples}{same}.</p>\n<p>{}</p>",
                 class(&best.name),
-                escaped(&shown(&best.name)),
-                two_digits(1.0 / share),
-                best.samples_for_same.round().max(1.0),
+                two_digits(1.0 / best.ratio[0]),
                 reason(&best.name),
             );
+            if best.worst == Some(Verdict::Undecided) {
+                html +=
+                    "<p><b>Some of its verdicts are undecided</b>: too little was measured to rule out a bias.</p>\n";
+            }
         }
         Some(_) => {
             let _ = writeln!(
                 html,
-                "<p class=\"answer\"><b>None of these does better than random points</b> in {penumbras} of this run at \
+                "<p class=\"answer\"><b>None of the {measured} measured here does better than random points</b> in penumbras at \
                  N = {samples}.</p>"
             );
         }
@@ -195,58 +220,82 @@ pub fn section(record: &ReportRecord, pictures: &dyn Fn(usize) -> Vec<(String, V
                 "<p class=\"answer\"><b>Every strategy has a failed verdict in a penumbra</b>: mend that first.</p>\n"
         }
     }
-    for one in all.iter().filter(|one| one.has_failed) {
-        let _ = writeln!(
-            html,
-            "<p><b>Not {}</b>: a verdict on it failed in a penumbra (below).</p>",
-            escaped(&shown(&one.name))
-        );
+    for one in all.iter().filter(|one| one.worst == Some(Verdict::Fail)) {
+        let name = escaped(&shown(&one.name));
+        let _ = writeln!(html, "<p><b>Not {name}</b>: a verdict on it failed in a penumbra (below).</p>");
     }
-    for one in all.iter().filter(|one| one.neighbours.is_some_and(|together| together > TOGETHER)) {
+    for (one, [together, ..]) in all.iter().filter_map(|one| Some((one, one.neighbours?))) {
+        if together <= TOGETHER {
+            continue;
+        }
+        let noise = match one.ratio[0] {
+            ratio if ratio < WORTH => "less noisy than",
+            ratio if ratio > 1.0 / WORTH => "noisier than",
+            _ => "as noisy as",
+        };
+        let seen = if Strategy::from_name(&one.name).is_some_and(Strategy::shares_points) {
+            ": the shadow’s edge breaks into ghost edges, one for each point on the source"
+        } else {
+            ""
+        };
         let _ = writeln!(
             html,
-            "<p><b>Beware of {}:</b> at a point they are {}, but neighbouring points err together (correlation {:.2}; 0 for \
-             fresh points). The error is no grain that an eye or a filter averages away: the shadow’s edge breaks into \
-             ghost edges, one for each point on the source.</p>",
+            "<p><b>Beware of {}:</b> at a point they are {noise} random ones, but the nearest points err together (correlation \
+             {together:.2} in the median; 0 for points that are fresh everywhere). The error is no grain that an eye or a filter \
+             averages away{seen}.</p>",
             escaped(&shown(&one.name)),
-            if one.ratio[0] > WORTH { "as noisy as random ones" } else { "less noisy than random ones" },
-            one.neighbours.unwrap_or_default(),
         );
     }
     html += &beside(record, pictures);
-    html += "<div class=\"wide\"><table class=\"samplers\"><thead><tr><th scope=\"col\">strategy</th>";
     let _ = write!(
         html,
-        "<th scope=\"col\">variance, random = 1<br><span class=\"unit\">N = {samples}; median (range)</span></th>\
-         <th scope=\"col\">as good as {samples}<br>random ones</th><th scope=\"col\">slope<br>\
-         <span class=\"unit\">measured / expected</span></th><th scope=\"col\">neighbours’<br>errors correlate</th>\
+        "<div class=\"wide\"><table class=\"samplers\"><thead><tr><th scope=\"col\">strategy</th>\
+         <th scope=\"col\">variance, random = 1<br><span class=\"unit\">N = {samples}; median (range)</span></th>\
+         <th scope=\"col\">N as good as<br>{samples} random</th><th scope=\"col\">nearest errors<br>correlate</th>\
+         <th scope=\"col\">slope<br><span class=\"unit\">measured / expected</span></th>\
          <th scope=\"col\">verdicts</th></tr></thead><tbody>"
     );
     for one in &all {
-        let range = if one.cases > 1 {
-            format!(" <span class=\"note\">({}–{})</span>", two_digits(one.ratio[1]), two_digits(one.ratio[2]))
-        } else {
-            String::new()
+        let several = |words: String| {
+            if one.cases > 1 { format!(" <span class=\"note\">({words})</span>") } else { String::new() }
         };
+        let [ratio, least, largest] = one.ratio;
+        let ratio_words = two_digits(ratio) + &several(format!("{}–{}", two_digits(least), two_digits(largest)));
+        let same = match one.samples_for_same {
+            _ if one.name == BASE => samples.to_string(),
+            Some([middle, least, largest]) => {
+                whole(middle) + &several(format!("{}–{}", whole(least), whole(largest)))
+            }
+            None => "–".to_owned(),
+        };
+        let neighbours = one.neighbours.map_or("–".to_owned(), |[middle, least, largest]| {
+            correlation(middle) + &several(format!("{} to {}", correlation(least), correlation(largest)))
+        });
+        let name = one.worst.map_or("none", Verdict::name);
         let _ = write!(
             html,
-            "<tr><th scope=\"row\"><span class=\"s-{}\">{}</span></th><td>{}{range}</td><td>{:.0}</td>\
-             <td>{} / {}</td><td>{}</td><td>{}</td></tr>",
+            "<tr><th scope=\"row\"><span class=\"s-{}\">{}</span></th><td>{ratio_words}</td><td>{same}</td><td>{neighbours}</td>\
+             <td>{} / {}</td><td><span class=\"mark {name}\">{name}</span></td></tr>",
             class(&one.name),
             escaped(&shown(&one.name)),
-            two_digits(one.ratio[0]),
-            if one.name == BASE { samples as f64 } else { one.samples_for_same.round().max(1.0) },
             minus(format!("{:.2}", one.slope)),
             minus(format!("{:.2}", one.expected_slope)),
-            one.neighbours.map_or("–".to_owned(), |x| minus(format!("{x:.2}")).replace("−0.00", "0.00")),
-            if one.has_failed { "<b class=\"fail\">fail</b>" } else { "pass" },
         );
     }
     html += "</tbody></table></div>\n";
-    html += "<div class=\"figs\"><figure class=\"fig\" data-chart=\"ratios\"><h4>Noise in penumbras, relative to random</h4>\
-             <figcaption>Variance over that of random points with as many samples, median over the cases. Below 1 is better. \
+    html += "<div class=\"figs\"><figure class=\"fig\" data-chart=\"ratios\"><h4>Variance in penumbras, relative to random</h4>\
+             <figcaption>Variance over that of random points with as many samples, median over the cases; bands: their range. Below 1 is better. \
              <a href=\"curves.csv\">curves.csv</a></figcaption></figure>\n";
     html + "</div>\n</section>\n"
+}
+
+/// A count of samples, one at least.
+fn whole(n: f64) -> String {
+    format!("{:.0}", n.max(1.0))
+}
+
+fn correlation(x: f64) -> String {
+    minus(format!("{x:.2}")).replace("−0.00", "0.00")
 }
 
 pub fn minus(text: String) -> String {

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::{anchor, effect, sampler, seen_from, verdicts, worst};
+use super::{anchor, effect, rank, sampler, seen_from, verdicts, worst};
 use crate::report::page::escaped;
 use crate::report::record::{CaseRecord, ReportRecord, VerdictRecord};
 use crate::statistics::Verdict;
@@ -23,11 +23,14 @@ pub fn section(record: &ReportRecord) -> String {
     if rows.is_empty() {
         return "<section id=\"verdicts\"><h2>Verdicts</h2>\n<p>None.</p></section>\n".to_owned();
     }
-    rows.sort_by_key(|(_, judged)| rank(judged.verdict));
+    rows.sort_by_key(|(_, judged)| rank(&judged.verdict));
     let mut html = String::from(
         "<section id=\"verdicts\">\n<h2>Verdicts</h2>\n<p>Each is about one property of one strategy in one case. <b>Pass</b>: no \
          evidence of a fault, and faults as small as <i>seen from</i> would have been caught with 99 % probability. <b>Fail</b>: \
-         happens to a correct estimator once in a million. <b>Undecided</b>: too little was measured to say. \
+         happens to a correct estimator once in a million. <b>Undecided</b>: too little was measured to say. <i>Bias</i>: the mean is exact; <i>variance</i>: errors are as large as \
+         predicted; <i>covariance</i>: errors of different points go together as predicted; <i>energy</i>: every watt is booked; \
+         <i>caustic</i>: rings get the flux that is due; <i>indirect</i>: so does light that was sent on. <i>Effect</i>: how far off, \
+         relative; negative evidence is none. \
          <a href=\"verdicts.csv\">verdicts.csv</a></p>\n\
          <p class=\"tools\"><label>Find <input type=\"search\" id=\"find\" placeholder=\"case, strategy, property\"></label> \
          <label>Show <select id=\"only\"><option value=\"\">all verdicts</option><option value=\"fail\">failed</option>\
@@ -46,7 +49,7 @@ pub fn section(record: &ReportRecord) -> String {
             "<tr data-verdict=\"{0}\"><td data-value=\"{1}\"><span class=\"mark {0}\">{0}</span></td>\
              <th scope=\"row\"><a href=\"#{2}\">{3}</a></th>{4}</tr>",
             judged.verdict.name(),
-            rank(judged.verdict),
+            rank(&judged.verdict),
             anchor(case, record),
             escaped(&case.name),
             cells(judged),
@@ -98,12 +101,4 @@ fn cells(judged: &VerdictRecord) -> String {
         number(judged.evidence),
         judged.evidence.map_or("–".to_owned(), |x| sampler::minus(format!("{x:.1}"))),
     )
-}
-
-fn rank(verdict: Verdict) -> u8 {
-    match verdict {
-        Verdict::Fail => 0,
-        Verdict::Undecided => 1,
-        Verdict::Pass => 2,
-    }
 }
