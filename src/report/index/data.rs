@@ -7,10 +7,7 @@ use crate::oracle::Region;
 use crate::report::record::{CaseRecord, CellRecord, ReportRecord, StrategyRecord};
 use crate::trial::Correlation;
 
-/// The sample count of profiles is the measured one nearest to this.
-const SHOWN_SAMPLES: f64 = 64.0;
-/// Sample counts of correlations, and distances of each.
-const SHOWN_COUNTS: usize = 3;
+/// Distances of each correlation.
 const MOST_SEPARATIONS: usize = 40;
 /// More points than these are not drawn one by one: every so many-th is.
 const MOST_POINTS: usize = 2500;
@@ -24,7 +21,7 @@ pub fn embedded(record: &ReportRecord) -> String {
 
 fn case(case: &CaseRecord) -> Value {
     let every = case.points.len().div_ceil(MOST_POINTS).max(1);
-    let samples = shown_samples(case);
+    let samples = case.shown_samples();
     let (kind, grid) = match case.arrangement {
         Arrangement::Grid { nu, nv } if nu > 1 && nv > 1 && every == 1 => ("map", Some([nu, nv])),
         Arrangement::Line => ("line", None),
@@ -38,7 +35,7 @@ fn case(case: &CaseRecord) -> Value {
         "grid": grid,
         "samples": samples,
         // As they are: two places may not fall together.
-        "along": places(case).into_iter().step_by(every).collect::<Vec<_>>(),
+        "along": case.places().into_iter().step_by(every).collect::<Vec<_>>(),
         "regions": regions,
         "exact": case.points.iter().step_by(every).map(|point| short(point.exact)).collect::<Vec<_>>(),
         "strategies": strategies,
@@ -90,21 +87,14 @@ fn strategy(case: &CaseRecord, made: &StrategyRecord, samples: Option<u64>, ever
         "biases": biases.collect::<Vec<_>>(),
         "seen": seen.and_then(|judged| judged.smallest_bias_mean).map(short),
         "curves": curves.collect::<Vec<_>>(),
-        "correlations": correlations(&made.correlations),
+        "correlations": correlations(made),
     })
 }
 
 /// At most three sample counts, and so many distances.
-fn correlations(all: &[Correlation]) -> Vec<Value> {
-    let counts: std::collections::BTreeSet<u64> = all.iter().map(|c| c.samples).collect();
-    let counts: Vec<u64> = counts.into_iter().collect();
-    let shown: Vec<u64> = if counts.len() <= SHOWN_COUNTS {
-        counts
-    } else {
-        (0..SHOWN_COUNTS).map(|k| counts[k * (counts.len() - 1) / (SHOWN_COUNTS - 1)]).collect()
-    };
+fn correlations(made: &StrategyRecord) -> Vec<Value> {
     let curve = |samples: u64| {
-        let mut of: Vec<&Correlation> = all.iter().filter(|c| c.samples == samples).collect();
+        let mut of: Vec<&Correlation> = made.correlations.iter().filter(|c| c.samples == samples).collect();
         of.sort_by(|a, b| a.separation.total_cmp(&b.separation));
         let every = of.len().div_ceil(MOST_SEPARATIONS).max(1);
         let points: Vec<_> = of
@@ -117,7 +107,7 @@ fn correlations(all: &[Correlation]) -> Vec<Value> {
             .collect();
         json!([samples, points])
     };
-    shown.into_iter().map(curve).collect()
+    made.shown_counts().into_iter().map(curve).collect()
 }
 
 fn rings(case: &CaseRecord) -> Vec<Value> {
@@ -132,28 +122,6 @@ fn rings(case: &CaseRecord) -> Vec<Value> {
         ]))
     });
     rings.collect()
-}
-
-/// The measured sample count nearest to 64, on a logarithmic scale.
-pub fn shown_samples(case: &CaseRecord) -> Option<u64> {
-    let counts = case.strategies.iter().flat_map(|s| &s.cells).map(|c| c.samples).filter(|n| *n > 0);
-    let away = |n: u64| (n as f64 / SHOWN_SAMPLES).ln().abs();
-    counts.min_by(|a, b| away(*a).total_cmp(&away(*b)).then(a.cmp(b)))
-}
-
-/// Distance along a line, metres; else the points' numbers.
-fn places(case: &CaseRecord) -> Vec<f64> {
-    if case.arrangement != Arrangement::Line || case.points.is_empty() {
-        return (0..case.points.len()).map(|k| k as f64).collect();
-    }
-    let mut gone = 0.0;
-    let steps = case.points.windows(2).map(|pair| (pair[1].position - pair[0].position).length());
-    std::iter::once(0.0)
-        .chain(steps.map(|step| {
-            gone += step;
-            gone
-        }))
-        .collect()
 }
 
 fn letter(region: Region) -> char {

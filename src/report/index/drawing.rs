@@ -3,8 +3,9 @@
 use std::fmt::Write as _;
 
 use crate::configuration::{Arrangement, Role, Stroke};
-use crate::geometry::DVec3;
+use crate::geometry::{DVec3, Frame};
 use crate::oracle::Region;
+use crate::report::page::escaped;
 use crate::report::record::{CaseRecord, FigureRecord};
 
 /// Of one view, units of the drawing.
@@ -65,12 +66,8 @@ impl View {
                 let (a, b) = match normal {
                     None => (self.right, self.up),
                     Some(normal) => {
-                        let away = [DVec3::X, DVec3::Y, DVec3::Z]
-                            .into_iter()
-                            .min_by(|a, b| a.dot(*normal).abs().total_cmp(&b.dot(*normal).abs()))
-                            .unwrap_or(DVec3::X);
-                        let a = normal.cross(away).normalize_or_zero();
-                        (a, normal.cross(a))
+                        let frame = Frame::around(*normal);
+                        (frame.tangent, frame.bitangent)
                     }
                 };
                 let place = |k: usize| {
@@ -299,7 +296,7 @@ fn key(case: &CaseRecord) -> String {
             }
         }
         if !shapes.is_empty() {
-            shown(role.name(), &format!("{} ({})", role.name(), super::super::page::escaped(&shapes.join(", "))));
+            shown(role.name(), &format!("{} ({})", role.name(), escaped(&shapes.join(", "))));
         }
     }
     for (region, words) in [

@@ -19,6 +19,7 @@ use super::page::{STYLE, escaped, two_digits};
 use super::record::{CaseRecord, ReportRecord, VerdictRecord};
 use crate::oracle::Region;
 use crate::statistics::Verdict;
+use crate::trial::median;
 
 use self::sampler::minus;
 #[cfg(feature = "plots")]
@@ -239,7 +240,7 @@ fn chapters(record: &ReportRecord) -> String {
 /// What matters in a chapter: what strata are worth where strategies were measured, the books where light was followed, or
 /// how near paths came where those were judged; whichever most of its cases have.
 fn figure_of(cases: &[&CaseRecord]) -> Option<(String, String)> {
-    let mut ratios: Vec<f64> = cases.iter().filter_map(|case| gain(case)).collect();
+    let ratios: Vec<f64> = cases.iter().filter_map(|case| gain(case)).collect();
     let gaps: Vec<f64> = cases
         .iter()
         .filter_map(|case| case.ledger.iter().map(crate::trial::LightRow::largest_gap).reduce(f64::max))
@@ -263,7 +264,7 @@ fn figure_of(cases: &[&CaseRecord]) -> Option<(String, String)> {
     }
     if ratios.len() == most {
         return Some((
-            format!("{}×", two_digits(sampler::median(&mut ratios)?)),
+            format!("{}×", two_digits(median(ratios)?)),
             "less variance by stratified points than by random ones, median of the cases, N = 64 or near".to_owned(),
         ));
     }
@@ -274,7 +275,7 @@ fn figure_of(cases: &[&CaseRecord]) -> Option<(String, String)> {
 
 /// Variance of random points over that of stratified ones, in the penumbra where there is one.
 fn gain(case: &CaseRecord) -> Option<f64> {
-    let samples = data::shown_samples(case)?;
+    let samples = case.shown_samples()?;
     let of = |name: &str| {
         let made = case.strategies.iter().find(|made| made.name == name)?;
         let rates = || made.rates.iter().filter(|rate| rate.quantity == "variance");

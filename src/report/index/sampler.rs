@@ -8,6 +8,7 @@ use crate::report::page::{escaped, two_digits};
 use crate::report::record::{CaseRecord, RateRecord, ReportRecord, StrategyRecord};
 use crate::sampling::Strategy;
 use crate::statistics::Verdict;
+use crate::trial::median;
 
 /// What others are held against.
 const BASE: &str = "random";
@@ -38,7 +39,7 @@ pub fn compared(record: &ReportRecord) -> Option<(u64, Vec<Compared>)> {
         .cases
         .iter()
         .filter(|case| penumbra(case, BASE).is_some())
-        .filter_map(super::data::shown_samples)
+        .filter_map(CaseRecord::shown_samples)
         .min()?;
     let mut names: Vec<&str> = Vec::new();
     for strategy in record.cases.iter().flat_map(|case| &case.strategies) {
@@ -87,19 +88,20 @@ fn over_cases(record: &ReportRecord, name: &str, samples: u64) -> Option<Compare
     Some(Compared {
         name: name.to_owned(),
         cases: ratios.len(),
-        ratio: spread(&mut ratios)?,
-        samples_for_same: spread(&mut same),
-        slope: median(&mut slopes)?,
-        expected_slope: median(&mut expected)?,
-        neighbours: spread(&mut neighbours),
+        ratio: spread(ratios)?,
+        samples_for_same: spread(same),
+        slope: median(slopes)?,
+        expected_slope: median(expected)?,
+        neighbours: spread(neighbours),
         worst,
     })
 }
 
 /// Median, least and largest.
-fn spread(values: &mut [f64]) -> Option<[f64; 3]> {
-    let middle = median(values)?;
-    Some([middle, *values.first()?, *values.last()?])
+fn spread(values: Vec<f64>) -> Option<[f64; 3]> {
+    let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let largest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    Some([median(values)?, least, largest])
 }
 
 /// A shadow that there are pictures of, exact and by each strategy side by side; the first with an umbra, if there is one.
@@ -130,16 +132,6 @@ fn beside(record: &ReportRecord, pictures: &dyn Fn(usize) -> Vec<(String, Vec<u8
          <div class=\"beside\">{figures}</div>\n",
         escaped(&record.cases[k].name)
     )
-}
-
-pub fn median(values: &mut [f64]) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    let n = values.len();
-    match n {
-        0 => None,
-        _ if n % 2 == 1 => Some(values[n / 2]),
-        _ => Some(0.5 * (values[n / 2 - 1] + values[n / 2])),
-    }
 }
 
 /// What people read for a strategy.

@@ -8,9 +8,6 @@ use crate::configuration::Arrangement;
 use crate::report::record::{CaseRecord, StrategyRecord};
 use crate::trial::Correlation;
 
-/// Sample counts drawn per strategy: the fewest, one between, the most.
-const DRAWN: usize = 3;
-
 /// `None` where no correlation was measured.
 pub fn correlation(case: &CaseRecord) -> Option<Page> {
     let strategies: Vec<&StrategyRecord> = case.strategies.iter().filter(|s| !s.correlations.is_empty()).collect();
@@ -58,7 +55,7 @@ const ASIDE: f64 = 3.0;
 /// different directions, and are marks.
 fn draw_strategy(page: &mut Page, panel: &Panel, strategy: &StrategyRecord, is_line: bool) {
     let mut legend = Vec::new();
-    let counts = drawn_counts(&strategy.correlations);
+    let counts = strategy.shown_counts();
     let mut predicted = false;
     for (k, &samples) in counts.iter().enumerate() {
         let look = shade(look_of(strategy), k);
@@ -103,16 +100,6 @@ fn draw_strategy(page: &mut Page, panel: &Panel, strategy: &StrategyRecord, is_l
         legend.push((key, "predicted".to_owned()));
     }
     legend_column(page, (panel.left, panel.bottom + 58.0), &legend);
-}
-
-/// At most three sample counts, spread over those that there are.
-fn drawn_counts(correlations: &[Correlation]) -> Vec<u64> {
-    let counts: std::collections::BTreeSet<u64> = correlations.iter().map(|c| c.samples).collect();
-    let counts: Vec<u64> = counts.into_iter().collect();
-    if counts.len() <= DRAWN {
-        return counts;
-    }
-    (0..DRAWN).map(|k| counts[k * (counts.len() - 1) / (DRAWN - 1)]).collect()
 }
 
 /// The strategy's colour, lighter to darker, each with its own marker and dash.

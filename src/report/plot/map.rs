@@ -3,7 +3,7 @@
 use super::axis::Axis;
 use super::ink::{Align, Page};
 use super::panel::{HEIGHT, Panel, WIDTH, note, titled_page};
-use super::profile::{is_map, replicates, shown_samples};
+use super::profile::{is_map, replicates};
 use super::style::{Dash, GREY, INK, SMALL, TEXT, shown_of};
 use crate::configuration::Arrangement;
 use crate::report::image::Rgb;
@@ -24,7 +24,7 @@ pub fn map(case: &CaseRecord) -> Option<Page> {
     if !is_map(case) {
         return None;
     }
-    let samples = shown_samples(case)?;
+    let samples = case.shown_samples()?;
     let cells: Vec<(&StrategyRecord, &CellRecord)> =
         case.strategies.iter().filter_map(|s| Some((s, s.cells.iter().find(|c| c.samples == samples)?))).collect();
     let exact: Vec<f64> = case.points.iter().map(|point| point.exact).collect();

@@ -10,18 +10,15 @@ use crate::configuration::Arrangement;
 use crate::oracle::Region;
 use crate::report::record::{CaseRecord, CellRecord, StrategyRecord};
 
-/// The sample count that is shown is the measured one nearest to this.
-const SHOWN_SAMPLES: f64 = 64.0;
-
 /// `None` for a grid, which has a map instead, and where nothing was measured.
 pub fn profile(case: &CaseRecord) -> Option<Page> {
     if is_map(case) {
         return None;
     }
-    let samples = shown_samples(case)?;
+    let samples = case.shown_samples()?;
     let shown_cells: Vec<(&StrategyRecord, &CellRecord)> =
         case.strategies.iter().filter_map(|s| Some((s, s.cells.iter().find(|c| c.samples == samples)?))).collect();
-    let along = places(case);
+    let along = case.places();
     let line = case.arrangement == Arrangement::Line;
     let exact: Vec<f64> = case.points.iter().map(|point| point.exact).collect();
 
@@ -122,15 +119,6 @@ pub fn is_map(case: &CaseRecord) -> bool {
     matches!(case.arrangement, Arrangement::Grid { nu, nv } if nu > 1 && nv > 1)
 }
 
-/// The measured sample count nearest to the one wanted, on a logarithmic scale.
-pub fn shown_samples(case: &CaseRecord) -> Option<u64> {
-    let counts = case.strategies.iter().flat_map(|s| &s.cells).map(|c| c.samples).filter(|n| *n > 0);
-    counts.min_by(|a, b| {
-        let away = |n: u64| (n as f64 / SHOWN_SAMPLES).ln().abs();
-        away(*a).total_cmp(&away(*b)).then(a.cmp(b))
-    })
-}
-
 /// `1000`, or `800–1000` where strategies differ.
 pub fn replicates(cells: &[(&StrategyRecord, &CellRecord)]) -> String {
     let counts = || cells.iter().map(|(_, c)| c.replicates);
@@ -138,20 +126,6 @@ pub fn replicates(cells: &[(&StrategyRecord, &CellRecord)]) -> String {
         (Some(low), Some(high)) if low != high => format!("{low}–{high}"),
         (low, _) => low.unwrap_or(0).to_string(),
     }
-}
-
-/// Distance from the first point along the way through all of them, metres; else the points' numbers.
-fn places(case: &CaseRecord) -> Vec<f64> {
-    if case.arrangement != Arrangement::Line {
-        return (0..case.points.len()).map(|i| i as f64).collect();
-    }
-    let mut gone = 0.0;
-    let mut places = vec![0.0];
-    for pair in case.points.windows(2) {
-        gone += (pair[1].position - pair[0].position).length();
-        places.push(gone);
-    }
-    places
 }
 
 /// An axis of points by number.

@@ -7,6 +7,7 @@ use std::fmt::Write as _;
 use super::ink::{At, Ink, Page, Words};
 use super::style::{Colour, Dash, FONT, INK, Marker};
 use super::text;
+use crate::report::page::escaped;
 
 /// Units for each point of a page: coordinates are whole, and finer than any printer.
 const UNITS: f64 = 8.0;
@@ -38,10 +39,6 @@ fn units(points: f64) -> i64 {
 
 fn hex(Colour { 0: r, 1: g, 2: b }: Colour) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 
 /// Every letter of the page, once.

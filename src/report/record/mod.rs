@@ -63,6 +63,33 @@ impl CaseRecord {
     }
 }
 
+impl CaseRecord {
+    /// The sample count of profiles, maps and advice: the measured one nearest to 64, on a logarithmic scale.
+    pub fn shown_samples(&self) -> Option<u64> {
+        let counts = self.strategies.iter().flat_map(|s| &s.cells).map(|c| c.samples).filter(|n| *n > 0);
+        let away = |n: u64| (n as f64 / SHOWN_SAMPLES).ln().abs();
+        counts.min_by(|a, b| away(*a).total_cmp(&away(*b)).then(a.cmp(b)))
+    }
+
+    /// Distance from the first point along the way through all of them, metres; else the points' numbers.
+    pub fn places(&self) -> Vec<f64> {
+        if self.arrangement != Arrangement::Line || self.points.is_empty() {
+            return (0..self.points.len()).map(|k| k as f64).collect();
+        }
+        let mut gone = 0.0;
+        let mut places = vec![0.0];
+        for pair in self.points.windows(2) {
+            gone += (pair[1].position - pair[0].position).length();
+            places.push(gone);
+        }
+        places
+    }
+}
+
+const SHOWN_SAMPLES: f64 = 64.0;
+/// Sample counts of correlations that are shown: the fewest, one between, the most.
+const SHOWN_COUNTS: usize = 3;
+
 /// One thing of the room.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct FigureRecord {
@@ -95,6 +122,16 @@ impl StrategyRecord {
     /// `None` of a guest.
     pub fn known(&self) -> Option<Strategy> {
         Strategy::from_name(&self.name)
+    }
+
+    /// At most three sample counts of its correlations, spread over those that there are.
+    pub fn shown_counts(&self) -> Vec<u64> {
+        let counts: std::collections::BTreeSet<u64> = self.correlations.iter().map(|c| c.samples).collect();
+        let counts: Vec<u64> = counts.into_iter().collect();
+        if counts.len() <= SHOWN_COUNTS {
+            return counts;
+        }
+        (0..SHOWN_COUNTS).map(|k| counts[k * (counts.len() - 1) / (SHOWN_COUNTS - 1)]).collect()
     }
 }
 
