@@ -121,6 +121,8 @@ pub mod external;
 pub mod eye;
 pub mod geometry;
 pub mod guest;
+#[cfg(feature = "studies")]
+pub mod journal;
 pub mod light;
 mod number;
 pub mod oracle;

@@ -4,6 +4,7 @@ use crate::sampling::Strategy;
 
 /// Independent repeats of each estimate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "studies", derive(serde::Serialize, serde::Deserialize))]
 pub enum Replicates {
     /// As many as the smallest bias needs.
     Auto,
@@ -13,6 +14,7 @@ pub enum Replicates {
 
 /// The relative deviations that a pass must have been able to see with 99 % probability.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "studies", derive(serde::Serialize, serde::Deserialize))]
 pub struct SmallestBias {
     /// Of the mean over the points.
     pub mean: f64,

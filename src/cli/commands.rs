@@ -1,15 +1,19 @@
 //! What each command does.
 
 use std::io::Write;
+use std::path::Path;
 
 use clap::CommandFactory;
 
+use super::cluster::{self, Engine};
 use super::exit;
 use super::explain;
 use super::options::{Calibrate, Check, Exact, Explain, Growth, List, Options, Plan, Report};
 use super::progress::RunBoard;
+use super::share;
 use crate::calibration;
 use crate::case::{self, Case, Ink, SelectError};
+use crate::journal::FolderLock;
 use crate::oracle::optics::{Arriving, RoomLight};
 use crate::oracle::{self, Derivatives, Oracle, Truth};
 use crate::report::{self, ExactCase, LimitsCase};
@@ -59,10 +63,16 @@ pub(super) fn fault(code: u8, error: impl std::fmt::Display) -> u8 {
     code
 }
 
+/// A folder for what is to be written, which nobody else writes to meanwhile.
+pub(super) fn take(folder: &Path) -> Result<FolderLock, u8> {
+    report::probe(folder).map_err(|error| fault(exit::OUTPUT, error))?;
+    FolderLock::take(folder).map_err(share::journal)
+}
+
 pub(super) fn set_threads(threads: Option<u16>) -> Result<(), u8> {
     let Some(threads) = threads else { return Ok(()) };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads));
-    pool.build_global().map_err(|error| fault(exit::BUG, error))
+    pool.build_global().map_err(|error| fault(exit::AGAIN, error))
 }
 
 pub fn plan(options: &Plan) -> u8 {
@@ -72,32 +82,19 @@ pub fn plan(options: &Plan) -> u8 {
 fn plan_to_end(options: &Plan) -> Result<u8, u8> {
     let cases = select(&options.work.cases)?;
     set_threads(options.work.threads)?;
-    let forecasts = trial::forecast(&cases, &options.work.settings());
+    let settings = options.work.settings();
+    let bill = options.shards.map(|_| trial::Bill::new(&cases, &settings));
+    if let (Some(bill), Some(of), Some(out), Some(Engine::Slurm)) =
+        (&bill, options.shards, &options.out, options.engine)
+    {
+        return cluster::write(options, bill, of, out);
+    }
+    let shards = bill.as_ref().zip(options.shards).map(|(bill, of)| bill.shards(of));
+    let forecasts = bill.map_or_else(|| trial::forecast(&cases, &settings), |bill| bill.forecasts);
     if options.json {
-        let rows: Vec<_> = forecasts
-            .iter()
-            .map(|plan| {
-                let cells: Vec<_> = plan
-                    .cells
-                    .iter()
-                    .map(|(samples, replicates)| serde_json::json!({ "samples": samples, "replicates": replicates }))
-                    .collect();
-                serde_json::json!({
-                    "case": plan.case,
-                    "strategy": plan.strategy.name(),
-                    "cells": cells,
-                    "rays": plan.rays,
-                    "seconds": plan.seconds,
-                    "smallest_bias_mean": plan.smallest_bias_mean,
-                    "smallest_bias_point": plan.smallest_bias_point,
-                    "suffices": plan.suffices,
-                    "variances_predicted": plan.predicted,
-                })
-            })
-            .collect();
-        print(&format!("{:#}\n", serde_json::json!({ "schema_version": 1, "plans": rows })))?;
+        print(&report::forecast_json(&forecasts, shards.as_deref()))?;
     } else {
-        print(&report::forecast_table(&forecasts, rayon::current_num_threads()))?;
+        print(&report::forecast_table(&forecasts, shards.as_deref(), rayon::current_num_threads()))?;
     }
     let all = forecasts.iter().all(|plan| plan.suffices);
     Ok(if all || options.work.replicates.is_none() { exit::PASSED } else { exit::UNDECIDED })
@@ -108,6 +105,7 @@ pub fn report(options: &Report) -> u8 {
 }
 
 fn report_to_end(options: &Report) -> Result<u8, u8> {
+    let _lock = options.dir.is_dir().then(|| take(&options.dir)).transpose()?;
     let rebuilt = report::rebuild(&options.dir, !options.no_plots).map_err(|error| fault(exit::OUTPUT, error))?;
     for fault in &rebuilt.faults {
         anstream::eprintln!("warning: {fault}");
@@ -121,6 +119,7 @@ pub fn growth(options: &Growth) -> u8 {
 }
 
 fn growth_to_end(options: &Growth) -> Result<(), u8> {
+    let _lock = take(&options.out)?;
     report::claim_growth(&options.out).map_err(|error| fault(exit::OUTPUT, error))?;
     let told = |study: &str| anstream::eprintln!("timing {study}");
     let studies = trial::growth(options.effort(), &told).map_err(|error| fault(exit::BUG, error))?;
@@ -261,6 +260,7 @@ pub fn calibrate(options: &Calibrate) -> u8 {
 }
 
 fn calibrate_to_end(options: &Calibrate) -> Result<u8, u8> {
+    let _lock = take(&options.out)?;
     report::claim_calibration(&options.out).map_err(|error| fault(exit::OUTPUT, error))?;
     set_threads(options.threads)?;
     let bar = RunBoard::new();

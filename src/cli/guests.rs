@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use clap::Args;
 
-use super::commands::{GENERATOR, fault, print, select};
+use super::commands::{GENERATOR, fault, print, select, take};
 use super::conclude::{Lines, conclude};
 use super::interrupt::Interrupt;
 use super::{exit, options};
@@ -221,6 +221,7 @@ fn judge_to_end(options: &JudgeOptions) -> Result<u8, u8> {
     let words = program.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ");
     let reproduce =
         format!("etendue judge {}{}{} -- {words}", quoted(&case.selector), settings.options(None), terms.words());
+    let _lock = take(out)?;
     report::claim(out).map_err(|error| fault(exit::OUTPUT, error))?;
     let kept = out.join(ESTIMATES);
     let unwritable = |error: std::io::Error| fault(exit::OUTPUT, format!("{}: {error}", kept.display()));
@@ -276,6 +277,7 @@ fn verify_to_end(options: &VerifyOptions) -> Result<u8, u8> {
         return converging(&case, terms, &name, &reproduce, files, out);
     }
     let invitation = Invitation { name: &name, leaning: terms.variance, reproduce: reproduce.clone() };
+    let _lock = take(out)?;
     report::claim(out).map_err(|error| fault(exit::OUTPUT, error))?;
     let outcome = guest::judge_estimates(&case, &settings, &invitation, files)
         .map_err(|error| fault(code_of(&error), &error))?;

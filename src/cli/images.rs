@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use super::commands::{fault, print, select};
+use super::commands::{fault, print, select, take};
 use super::exit;
 use super::guests::VerifyOptions;
 use crate::case::Case;
@@ -198,6 +198,7 @@ pub(super) fn verify(options: &VerifyOptions, case: &Case) -> Result<u8, u8> {
         ray_epsilon: images.ray_epsilon,
         smallest_bias: terms.smallest_bias.unwrap_or(case.study.smallest_bias),
     };
+    let _lock = take(&images.out)?;
     report::claim_images(&images.out).map_err(|error| fault(exit::OUTPUT, error))?;
     let outcome = judge_images(&straight, &manifest.pixels, &stack, &judged);
     report::write_images(&images.out, &outcome).map_err(|error| fault(exit::OUTPUT, error))?;

@@ -1,5 +1,6 @@
 //! The command line: words in, an exit code out. No arithmetic on results.
 
+mod cluster;
 mod commands;
 mod compare;
 mod conclude;
@@ -8,12 +9,14 @@ mod guests;
 mod help;
 mod images;
 mod interrupt;
+mod merge;
 mod new;
 mod options;
 mod progress;
 #[cfg(feature = "plots")]
 mod render;
 mod run;
+mod share;
 mod standing;
 mod watch;
 
@@ -35,8 +38,12 @@ mod exit {
     pub const NOTHING: u8 = 4;
     /// An output could not be written, or an image or a report not read.
     pub const OUTPUT: u8 = 5;
+    /// Shards are missing, damaged or foreign.
+    pub const SHARDS: u8 = 6;
     /// A fault of this program.
     pub const BUG: u8 = 70;
+    /// Nothing is wrong that time will not mend.
+    pub const AGAIN: u8 = 75;
     /// Ended by Ctrl-C: what was finished is kept.
     pub const INTERRUPTED: u8 = 130;
 }
@@ -50,6 +57,7 @@ pub fn main() -> ExitCode {
         Some(options::Command::Exact(exact)) => commands::exact(&exact),
         Some(options::Command::Calibrate(calibrate)) => commands::calibrate(&calibrate),
         Some(options::Command::Plan(plan)) => commands::plan(&plan),
+        Some(options::Command::Merge(merge)) => merge::merge(&merge),
         Some(options::Command::Report(report)) => commands::report(&report),
         Some(options::Command::Growth(growth)) => commands::growth(&growth),
         Some(options::Command::Explain(explain)) => commands::explain(&explain),

@@ -11,7 +11,7 @@ use crate::oracle::Parameter;
 use crate::sampling::Strategy;
 #[cfg(feature = "plots")]
 use crate::trial::PictureSettings;
-use crate::trial::{Effort, Overrides, Settings};
+use crate::trial::{Effort, Overrides, Settings, Shard};
 
 /// The exit codes of what judges, with more before them.
 macro_rules! exit_codes {
@@ -27,7 +27,8 @@ Exit codes:
   4   nothing selected
   5   an output could not be written, or an image or a report not read
   70  a bug of ours
-  130 interrupted; a run keeps the cases that were finished"
+  75  worth trying again: another run has the folder, or the system is short of threads
+  130 interrupted; what was finished is kept, --resume goes on"
         )
     };
 }
@@ -54,9 +55,11 @@ Examples:
   etendue run --points halton.csv penumbra/eclipse
   etendue run my-room.toml --quick --watch # again whenever the file changes
   etendue run --progress plain 2> run.log  # a line of progress every ten seconds
+  etendue run rooms/ --shard 3/100 --out parts   # a part of the work, for another machine to merge
 
 Ctrl-C (or SIGTERM) gives up the cases under way: the report has those that were finished, its
-manifest names the missing ones. A second one ends at once. Where --watch waits, Ctrl-C is the usual
+manifest names the missing ones. A second one ends at once. However a run ends, the same command with
+--resume goes on from there. Where --watch waits, Ctrl-C is the usual
 end, with the code of the last verdicts, or 2 if a case file is wrong at the time.
 
 "
@@ -93,7 +96,9 @@ Examples:
 const PLAN_HELP: &str = "\
 Examples:
   etendue plan my-room.toml --smallest-bias 0.001
-  etendue plan --thorough --json";
+  etendue plan --thorough --json
+  etendue plan --thorough -n 200                          # what each of 200 shards would have
+  etendue plan --thorough -n 200 --for slurm -o study     # scripts; study/submit.sh sends them";
 
 const EXPLAIN_HELP: &str = "\
 Examples:
@@ -140,6 +145,9 @@ pub enum Command {
     Plan(Plan),
     /// How cost grows with samples, occluders, triangles, points and light rays: timed, plotted, fitted
     Growth(Growth),
+    /// Put shards together into the report of one run, or say what is missing
+    #[command(after_help = MERGE_HELP)]
+    Merge(Merge),
     /// A report's page and plots, made anew from its tables
     #[command(after_help = REPORT_HELP)]
     Report(Report),
@@ -183,6 +191,18 @@ Example: etendue report reports/latest
 
 Draws plots/ and index.html from the tables (CSV), manifest.json and pictures that lie in the folder. What is missing or broken is
 listed, on the page too; the rest is shown, and the exit code is 5. Page and plots are those of the run, byte for byte.";
+
+const MERGE_HELP: &str = "\
+Examples:
+  etendue run rooms/ --shard 0/2 --out a
+  etendue run rooms/ --shard 1/2 --out b
+  etendue merge a b -o whole               # the same bytes as `etendue run rooms/ --out whole`
+
+Files of shards are taken in any order, from any folders; two of the same shard are as good as one. What is missing, damaged or of
+another run is named, with what is to be run again.
+
+Exit codes: those of `run`, and
+  6   shards are missing, damaged or foreign: nothing was written";
 
 const SCHEMA_HELP: &str = "\
 Editors that read TOML by a schema (Taplo, Even Better TOML) complete keys and mark mistakes where a case begins with
@@ -267,6 +287,12 @@ pub struct Run {
     /// Wait for case files to change, and run those anew that did; goes well with --quick
     #[arg(long, conflicts_with = "points")]
     pub watch: bool,
+    /// Go on with what an interrupted run of the same command has left in the folder
+    #[arg(long, conflicts_with = "watch")]
+    pub resume: bool,
+    /// One of N shares of the work, counted from 0, into a file in the folder; `etendue merge` puts them together
+    #[arg(long, value_name = "I/N", value_parser = shard, conflicts_with_all = ["watch", "points", "junit"])]
+    pub shard: Option<Shard>,
     /// Exit with 0 when some verdicts are undecided and none failed
     #[arg(long)]
     pub allow_undecided: bool,
@@ -278,6 +304,34 @@ pub struct Run {
     /// File of point sets, as a strategy `points:NAME`; alone, unless --strategy names others beside it
     #[arg(long, value_name = "FILE")]
     pub points: Vec<PathBuf>,
+}
+
+/// Options of `merge`.
+#[derive(Args, Debug)]
+pub struct Merge {
+    /// Folders that hold shards
+    #[arg(value_name = "DIR", required = true)]
+    pub folders: Vec<PathBuf>,
+    /// Folder that the report is written to
+    #[arg(long, short, value_name = "DIR", default_value = "reports/latest")]
+    pub out: PathBuf,
+    /// Print only failures and the summary, and no progress
+    #[arg(long, short)]
+    pub quiet: bool,
+    /// Exit with 0 when some verdicts are undecided and none failed
+    #[arg(long)]
+    pub allow_undecided: bool,
+    /// Write tables only
+    #[arg(long)]
+    pub no_plots: bool,
+    /// How progress is shown on standard error
+    #[arg(long, value_enum, default_value_t = Manner::Auto)]
+    pub progress: Manner,
+    #[command(flatten)]
+    pub telling: Telling,
+    /// Threads (default: one for each core)
+    #[arg(long, value_name = "T", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
 }
 
 /// How verdicts are told, and to whom.
@@ -369,6 +423,15 @@ pub struct Plan {
     /// Machine-readable
     #[arg(long)]
     pub json: bool,
+    /// Shards that the work is divided among, from 1 to 100,000
+    #[arg(short = 'n', long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub shards: Option<u32>,
+    /// Write the scripts that send the shards
+    #[arg(long = "for", value_enum, value_name = "ENGINE", requires_all = ["shards", "out"])]
+    pub engine: Option<super::cluster::Engine>,
+    /// Folder that the scripts are written to
+    #[arg(long, short, value_name = "DIR", requires = "engine")]
+    pub out: Option<PathBuf>,
 }
 
 /// Options of `growth`.
@@ -460,6 +523,16 @@ impl Calibrate {
     pub fn options(&self) -> calibration::Options {
         let usual = if self.quick { calibration::Options::QUICK } else { calibration::Options::STANDARD };
         calibration::Options { seed: self.seed, runs: self.runs.unwrap_or(usual.runs), ..usual }
+    }
+}
+
+/// `I/N`, counted from 0.
+fn shard(text: &str) -> Result<Shard, String> {
+    let way = format!("a share of the work is I/N with I from 0 to N - 1, and N from 1 to {}", Shard::MOST);
+    let (index, of) = text.split_once('/').ok_or(&way)?;
+    match (index.parse(), of.parse()) {
+        (Ok(index), Ok(of)) if index < of && of <= Shard::MOST => Ok(Shard { index, of }),
+        _ => Err(way),
     }
 }
 

@@ -151,10 +151,8 @@ impl State {
                     *traced += rays;
                 }
             }
-            Progress::Done { outcome, .. } => {
-                self.under_way.remove(&outcome.name);
-                self.done += 1;
-            }
+            Progress::Done { outcome, .. } => self.done(&outcome.name),
+            Progress::Shared(name) => self.done(name),
         }
         // A case's plan grows while it runs, so its share may not run ahead of what is known.
         let share = |(planned, traced): &(u64, u64)| match planned {
@@ -163,6 +161,11 @@ impl State {
         };
         let cases = self.done as f64 + self.under_way.values().map(share).sum::<f64>();
         self.share = self.share.max(cases / self.cases.max(1) as f64);
+    }
+
+    fn done(&mut self, case: &str) {
+        self.under_way.remove(case);
+        self.done += 1;
     }
 
     fn with<T>(&mut self, then: impl FnOnce(&mut Screen, &Standing) -> T) -> T {

@@ -1,6 +1,6 @@
 //! `etendue render`: pictures.
 
-use super::commands::{fault, print, select, set_threads};
+use super::commands::{fault, print, select, set_threads, take};
 use super::exit;
 use super::options::Render;
 use crate::case::Case;
@@ -14,6 +14,7 @@ pub fn render(options: &Render) -> u8 {
 
 fn render_to_end(options: &Render) -> Result<u8, u8> {
     let cases = if options.lecture { Vec::new() } else { select(&options.cases)? };
+    let _lock = take(&options.out)?;
     report::claim_pictures(&options.out).map_err(|error| fault(exit::OUTPUT, error))?;
     set_threads(options.threads)?;
     if options.lecture {

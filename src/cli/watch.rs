@@ -13,12 +13,13 @@ use std::time::Duration;
 
 use notify::{EventKind, RecommendedWatcher, RecursiveMode, Watcher};
 
-use super::commands::{coloured, fault, select, set_threads};
+use super::commands::{coloured, fault, select, set_threads, take};
 use super::conclude::conclude;
 use super::exit;
 use super::interrupt::Interrupt;
 use super::options::Run;
-use super::run::{measured, told, write};
+use super::progress::Board;
+use super::run::{Writing, measured, told};
 use crate::case::{self, Case, Ink};
 use crate::report;
 use crate::trial::{CaseOutcome, RunOutcome};
@@ -37,6 +38,7 @@ pub(super) fn watch(options: &Run) -> Result<u8, u8> {
     let selectors = &options.work.cases;
     on_disk(selectors)?;
     let interrupt = Interrupt::heard()?;
+    let _lock = take(&options.out)?;
     report::claim(&options.out).map_err(|error| fault(exit::OUTPUT, error))?;
     set_threads(options.work.threads)?;
     let (stir, stirred) = channel();
@@ -238,7 +240,10 @@ impl Rounds<'_> {
             self.say(&format!("running {} of {}: {}", fresh.len(), cases.len(), running.join(", ")));
         }
         let stop = || self.interrupt.asked() || self.version.load(Ordering::Relaxed) != seen;
-        let outcome = measured(&fresh, &settings, options, &stop, None)?;
+        let board = Board::new(fresh.len(), options.progress, options.quiet);
+        let outcome = measured(&fresh, &settings, None, &board, &stop, None);
+        board.finish();
+        let outcome = outcome?;
         for done in &outcome.cases {
             if let Some(case) = fresh.iter().find(|case| case.name == done.name) {
                 self.known.insert(case.name.clone(), (case.clone(), done.clone()));
@@ -260,13 +265,14 @@ impl Rounds<'_> {
         }
         report::claim(&options.out).map_err(|error| fault(exit::OUTPUT, error))?;
         if whole.cases.is_empty() {
-            anstream::eprintln!("{}", told(&whole, cases, &settings, options));
+            anstream::eprintln!("{}", told(&whole, cases, options));
             return Ok(exit::INTERRUPTED);
         }
-        write(&whole, cases, &settings, options, self.interrupt)?;
+        let writing = Writing { out: &options.out, plots: !options.no_plots, watched: true };
+        writing.write(&whole, cases, &settings, self.interrupt)?;
         let code = conclude(&whole, &options.out, &options.telling, None, options.quiet, options.allow_undecided)?;
         if !whole.missing.is_empty() {
-            anstream::eprintln!("{}", told(&whole, cases, &settings, options));
+            anstream::eprintln!("{}", told(&whole, cases, options));
             return Ok(exit::INTERRUPTED);
         }
         self.reported = Some((names, code));

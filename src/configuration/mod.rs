@@ -26,6 +26,8 @@ pub use digest::Digest;
 pub use figure::{Figure, Role, Stroke};
 pub use optic::{Glass, GlassShape, Mirror, MirrorShape};
 pub use receiver::{Receiver, ReceiverShape};
+#[cfg(feature = "studies")]
+pub(crate) use sha256::Sha256;
 pub use validate::ConfigurationError;
 
 /// A Lambertian emitter. One-sided: a flat shape emits from its lit side, a sphere from its outside.

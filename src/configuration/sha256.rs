@@ -20,7 +20,8 @@ const START: [u32; 8] =
     [0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a, 0x510e527f, 0x9b05688c, 0x1f83d9ab, 0x5be0cd19];
 
 /// A digest of bytes that come in pieces.
-pub(super) struct Sha256 {
+#[derive(Clone)]
+pub(crate) struct Sha256 {
     state: [u32; 8],
     /// What does not fill a block yet.
     block: [u8; 64],

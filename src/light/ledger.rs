@@ -9,6 +9,7 @@ use std::ops::AddAssign;
 ///
 /// - error: 2⁻⁵³ of the result, and n² · 2⁻¹⁰⁶ of the sum of sizes, for n terms
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "studies", derive(serde::Serialize, serde::Deserialize))]
 pub struct Sum {
     sum: f64,
     carried: f64,
@@ -39,6 +40,7 @@ impl AddAssign<Sum> for Sum {
 
 /// Flux of independent groups of rays, and its spread. A group that brought nothing counts as nought.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "studies", derive(serde::Serialize, serde::Deserialize))]
 pub struct Moments {
     /// Σ x, W.
     pub flux: Sum,

@@ -72,10 +72,9 @@ impl TexelMap {
         });
         TexelMap { parametrisation, grid, light, reach, n_groups: 0 }
     }
-    /// What one group left in a texel; `light`: 0 for direct, 1 for bent.
-    #[inline(always)]
-    pub(super) fn add(&mut self, texel: usize, light: usize, flux: f64) {
-        self.light[light][texel].add(flux);
+    /// What groups left in a texel; `light`: 0 for direct, 1 for bent.
+    pub(super) fn merge(&mut self, texel: usize, light: usize, left: &Moments) {
+        self.light[light][texel].merge(left);
     }
     pub(super) fn close(&mut self, n_groups: u64) {
         self.n_groups = n_groups;
@@ -316,7 +315,9 @@ mod tests {
         for texel in grid.texels() {
             let area = map.area(texel);
             if area > 0.0 {
-                map.add(grid.index(texel), 1, flux(grid.index(texel), area));
+                let mut left = Moments::default();
+                left.add(flux(grid.index(texel), area));
+                map.merge(grid.index(texel), 1, &left);
             }
         }
         map

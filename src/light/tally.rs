@@ -16,9 +16,11 @@ fn add_to(cells: &mut Vec<(u32, f64)>, first: usize, cell: u32, flux: f64) {
 
 /// Few cells, all in memory: by order of interaction, rings or tiles.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "studies", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Dense {
     pub cells: Vec<Moments>,
     /// What the group that is not closed yet has left in which of them.
+    #[cfg_attr(feature = "studies", serde(skip))]
     touched: Vec<(u32, f64)>,
 }
 
@@ -43,6 +45,7 @@ impl Dense {
 
 /// A batch's books.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "studies", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Tally {
     pub rays: u64,
     pub groups: u64,
@@ -59,14 +62,17 @@ pub(crate) struct Tally {
     pub tiles: Dense,
     /// What each group left in each texel, in order. Texels are counted through all maps: twice the texel's number, plus
     /// one where the light has met an optic.
+    #[cfg_attr(feature = "studies", serde(skip))]
     pub texels: Vec<(u32, f64)>,
     /// How many of them closed groups have left.
+    #[cfg_attr(feature = "studies", serde(skip))]
     closed: usize,
     /// Interactions at which polarised light changed its plane of incidence, and the flux of them.
     pub depolarised: u64,
     pub depolarised_flux: Sum,
     /// Rays and branches that met each optic.
     pub reached: Vec<u64>,
+    #[cfg_attr(feature = "studies", serde(skip))]
     in_group: f64,
 }
 

@@ -24,6 +24,10 @@ const BATCHES_A_ROUND: u64 = 32;
 /// Batches that one thread works on side by side: a ray is one long chain of roots and quotients, each waiting for the one
 /// before, and in the meantime a ray of another batch goes on.
 const ABREAST: u64 = 2;
+/// Rays of a piece of a run, at least; a large run has so many pieces at most. Part of the format: it fixes the order of
+/// additions.
+const RAYS_A_PIECE: u64 = 1 << 22;
+const MOST_PIECES: u64 = 1 << 10;
 /// Keeps the streams of the light apart from those of the estimators: "light" in ASCII.
 const PURPOSE: u64 = 0x006c_6967_6874;
 
@@ -65,6 +69,23 @@ impl LightRun {
         (0..self.maps.len()).for_each(|map| sum += self.deposited(map, order).flux);
         sum.value()
     }
+}
+
+/// A piece of a run: so many rounds of batches in a row.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "studies", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct LightPiece {
+    books: Tally,
+    /// What was left in texels that any light reached, ascending: twice the texel's number through all maps, plus one for
+    /// bent light.
+    texels: Vec<(u32, Moments)>,
+}
+
+/// Pieces of a run, put together in their order.
+pub(crate) struct LightSum<'a> {
+    of: &'a LightTracer,
+    maps: Vec<TexelMap>,
+    total: Tally,
 }
 
 /// A configuration, prepared for rays from the light.
@@ -131,17 +152,52 @@ impl LightTracer {
     ///
     /// - `progress`: told the rays of each finished batch; where it errs, the run is given up
     pub(crate) fn run_while<E: Send>(&self, progress: &(dyn Fn(u64) -> Result<(), E> + Sync)) -> Result<LightRun, E> {
-        let depth = self.settings.depth;
-        let (rays_a_group, n_groups) = (self.rays_a_group(), self.n_groups());
-        let groups_a_batch = (RAYS_A_BATCH / rays_a_group).max(1);
+        let mut sum = self.sum();
+        for k in 0..self.n_pieces() {
+            sum.add(&self.piece(k, progress)?);
+        }
+        Ok(sum.finish())
+    }
+
+    fn groups_a_batch(&self) -> u64 {
+        (RAYS_A_BATCH / self.rays_a_group()).max(1)
+    }
+
+    fn batches_a_piece(&self) -> u64 {
+        let of_rays = |rays: u64| rays.div_ceil(self.groups_a_batch() * self.rays_a_group());
+        let of_large = self.n_groups().div_ceil(self.groups_a_batch()).div_ceil(MOST_PIECES);
+        of_rays(RAYS_A_PIECE).max(of_large).next_multiple_of(BATCHES_A_ROUND)
+    }
+
+    /// Pieces that the run consists of, fixed by its rays alone.
+    pub(crate) fn n_pieces(&self) -> u64 {
+        self.n_groups().div_ceil(self.groups_a_batch()).div_ceil(self.batches_a_piece())
+    }
+
+    /// Rays of a piece, about.
+    pub(crate) fn rays_of_piece(&self, piece: u64) -> u64 {
+        let rays = self.batches_a_piece() * self.groups_a_batch() * self.rays_a_group();
+        rays.min((self.n_groups() * self.rays_a_group()).saturating_sub(piece * rays))
+    }
+
+    /// One piece; the same bytes on any number of threads.
+    ///
+    /// - `progress`: as for [`LightTracer::run_while`]
+    pub(crate) fn piece<E: Send>(
+        &self,
+        piece: u64,
+        progress: &(dyn Fn(u64) -> Result<(), E> + Sync),
+    ) -> Result<LightPiece, E> {
+        let (n_groups, groups_a_batch) = (self.n_groups(), self.groups_a_batch());
         let n_batches = n_groups.div_ceil(groups_a_batch);
-        let mut maps: Vec<TexelMap> = self.landings.iter().map(TexelMap::new).collect();
-        let n_texels = self.landings.first().map_or(1, |landing| landing.grid.n_texels());
+        let batches = piece * self.batches_a_piece()..((piece + 1) * self.batches_a_piece()).min(n_batches);
         let tracer = Tracer::new(&self.room, &self.landings, &self.settings);
         let flux = self.source_power / n_groups as f64;
-        let mut total = self.tally();
-        for first in (0..n_batches).step_by(BATCHES_A_ROUND as usize) {
-            let end = (first + BATCHES_A_ROUND).min(n_batches);
+        let mut books = self.tally();
+        let n_texels: usize = self.landings.iter().map(|landing| landing.grid.n_texels()).sum();
+        let mut texels = vec![Moments::default(); 2 * n_texels];
+        for first in batches.clone().step_by(BATCHES_A_ROUND as usize) {
+            let end = (first + BATCHES_A_ROUND).min(batches.end);
             // No thread shall be idle for it.
             let abreast = ((end - first) / rayon::current_num_threads() as u64).clamp(1, ABREAST);
             let batch = |k: u64| {
@@ -162,44 +218,19 @@ impl LightTracer {
             let n_tasks = (end - first).div_ceil(abreast);
             let done: Vec<Vec<Tally>> = (0..n_tasks).into_par_iter().map(side_by_side).collect::<Result<_, E>>()?;
             for tally in done.iter().flatten() {
-                total.merge(tally);
+                books.merge(tally);
                 for (cell, flux) in &tally.texels {
-                    let (texel, light) = (*cell as usize / 2, *cell as usize % 2);
-                    maps[texel / n_texels].add(texel % n_texels, light, *flux);
+                    texels[*cell as usize].add(*flux);
                 }
             }
         }
-        maps.iter_mut().for_each(|map| map.close(total.groups));
-        let ledger = Ledger {
-            rays: total.rays,
-            groups: total.groups,
-            source_power: self.source_power,
-            emitted: total.emitted.value(),
-            deposited: total.deposited.watts(),
-            deposited_std_error: total.deposited.std_error(total.groups),
-            absorbed: total.absorbed.value(),
-            escaped: total.escaped.value(),
-            terminated: total.terminated.value(),
-        };
-        let rings =
-            self.settings.rings.map(|rings| RingMap { rings, cells: total.rings.cells, n_groups: total.groups });
-        let tiles = self.settings.tiles.map(|tiles| TileMap {
-            parametrisation: self.landings[0].parametrisation,
-            tiles,
-            cells: total.tiles.cells,
-            n_groups: total.groups,
-        });
-        Ok(LightRun {
-            ledger,
-            maps,
-            rings,
-            tiles,
-            orders: total.orders.cells,
-            depth,
-            reached: total.reached,
-            depolarised: total.depolarised,
-            depolarised_flux: total.depolarised_flux.value(),
-        })
+        let lit = texels.into_iter().enumerate().filter(|(_, left)| *left != Moments::default());
+        Ok(LightPiece { books, texels: lit.map(|(cell, left)| (cell as u32, left)).collect() })
+    }
+
+    /// No piece yet.
+    pub(crate) fn sum(&self) -> LightSum<'_> {
+        LightSum { of: self, maps: self.landings.iter().map(TexelMap::new).collect(), total: self.tally() }
     }
 
     fn tally(&self) -> Tally {
@@ -240,6 +271,54 @@ impl LightTracer {
             left -= emitter.power;
         }
         last
+    }
+}
+
+impl LightSum<'_> {
+    /// The next piece.
+    pub fn add(&mut self, piece: &LightPiece) {
+        self.total.merge(&piece.books);
+        let n_texels = self.of.landings.first().map_or(1, |landing| landing.grid.n_texels());
+        for (cell, left) in &piece.texels {
+            let (texel, light) = (*cell as usize / 2, *cell as usize % 2);
+            self.maps[texel / n_texels].merge(texel % n_texels, light, left);
+        }
+    }
+
+    /// After the last.
+    pub fn finish(self) -> LightRun {
+        let LightSum { of, mut maps, total } = self;
+        maps.iter_mut().for_each(|map| map.close(total.groups));
+        let ledger = Ledger {
+            rays: total.rays,
+            groups: total.groups,
+            source_power: of.source_power,
+            emitted: total.emitted.value(),
+            deposited: total.deposited.watts(),
+            deposited_std_error: total.deposited.std_error(total.groups),
+            absorbed: total.absorbed.value(),
+            escaped: total.escaped.value(),
+            terminated: total.terminated.value(),
+        };
+        let rings =
+            of.settings.rings.map(|rings| RingMap { rings, cells: total.rings.cells, n_groups: total.groups });
+        let tiles = of.settings.tiles.map(|tiles| TileMap {
+            parametrisation: of.landings[0].parametrisation,
+            tiles,
+            cells: total.tiles.cells,
+            n_groups: total.groups,
+        });
+        LightRun {
+            ledger,
+            maps,
+            rings,
+            tiles,
+            orders: total.orders.cells,
+            depth: of.settings.depth,
+            reached: total.reached,
+            depolarised: total.depolarised,
+            depolarised_flux: total.depolarised_flux.value(),
+        }
     }
 }
 

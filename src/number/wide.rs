@@ -12,6 +12,7 @@ use super::Number;
 
 /// high + low, not rounded to one `f64`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "studies", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Wide {
     high: f64,
     low: f64,

@@ -6,6 +6,7 @@ use crate::radiometry::{FormFactor, Irradiance};
 
 /// How much of the sources a point sees.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[cfg_attr(feature = "studies", derive(serde::Serialize, serde::Deserialize))]
 pub enum Region {
     /// Sees every source wholly.
     Lit,
@@ -75,6 +76,7 @@ impl Region {
 
 /// How an exact value was found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "studies", derive(serde::Serialize, serde::Deserialize))]
 pub enum Method {
     /// A sum of closed-form contour integrals.
     ClosedForm,
@@ -94,6 +96,7 @@ impl Method {
 
 /// The exact irradiance at one point, with what is known of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "studies", derive(serde::Serialize, serde::Deserialize))]
 pub struct Truth {
     /// Of all sources together, each weighed by its exitance; W/m².
     pub irradiance: Irradiance,

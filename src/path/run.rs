@@ -17,11 +17,16 @@ use crate::sampling::{StreamKey, Surface};
 const PATHS_A_BATCH: u64 = 1 << 10;
 /// Batches that are worked on before any of them is joined.
 const BATCHES_A_ROUND: u64 = 32;
+/// Paths of a piece of a run over all places, at least; a large run has so many pieces at most. Part of the format: it fixes
+/// the order of additions.
+const PATHS_A_PIECE: u64 = 1 << 22;
+const MOST_PIECES: u64 = 1 << 10;
 /// Keeps the streams of eye paths apart from all others: "eye" in ASCII.
 const PURPOSE: u64 = 0x0065_7965;
 
 /// What paths from one place found.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "studies", derive(serde::Serialize, serde::Deserialize))]
 pub struct PathPoint {
     /// In the order of [`Part::ALL`].
     parts: [Moments; 3],
@@ -63,6 +68,7 @@ impl PathPoint {
 
 /// What a run of paths found.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "studies", derive(serde::Serialize, serde::Deserialize))]
 pub struct PathRun {
     /// From each place.
     pub paths: u64,
@@ -78,7 +84,8 @@ impl PathRun {
     fn new(places: usize) -> PathRun {
         PathRun { paths: 0, points: vec![PathPoint::default(); places], mean: PathPoint::default(), segments: 0 }
     }
-    fn merge(&mut self, other: &PathRun) {
+    /// The next piece, or batch.
+    pub(crate) fn merge(&mut self, other: &PathRun) {
         self.paths += other.paths;
         self.points.iter_mut().zip(&other.points).for_each(|(sums, other)| sums.merge(other));
         self.mean.merge(&other.mean);
@@ -144,55 +151,84 @@ impl PathTracer {
     }
 
     /// - `progress`: told the paths of each finished batch; where it errs, the run is given up
-    pub(crate) fn at_points_while<E: Send>(
+    fn at_points_while<E: Send>(
         &self,
         paths: u64,
         weighing: &impl Weighing,
         progress: &(dyn Fn(u64) -> Result<(), E> + Sync),
     ) -> Result<PathRun, E> {
-        self.in_batches(0, paths, self.places.len(), weighing, progress, |k, _| self.places[k])
+        let asked = self.asked(paths);
+        let mut total = asked.nothing();
+        for k in 0..asked.n_pieces() {
+            total.merge(&self.piece_at_points(&asked, k, weighing, progress)?);
+        }
+        Ok(total)
+    }
+
+    /// So many paths from every measurement point, in pieces.
+    pub(crate) fn asked(&self, paths: u64) -> Asked {
+        Asked { paths, places: self.places.len() as u64 }
+    }
+
+    /// - `progress`: as for [`PathTracer::at_points_while`]
+    pub(crate) fn piece_at_points<E: Send>(
+        &self,
+        asked: &Asked,
+        piece: u64,
+        weighing: &impl Weighing,
+        progress: &(dyn Fn(u64) -> Result<(), E> + Sync),
+    ) -> Result<PathRun, E> {
+        self.in_batches(0, asked, piece, weighing, progress, |k, _| self.places[k])
     }
 
     /// Paths from places anywhere on the receiver, uniform by area: the only point is the receiver's mean. `None` without a
     /// receiver.
     pub fn over_receiver(&self, paths: u64) -> Option<PathRun> {
-        let Ok(run) = self.over_receiver_while(paths, &|_| Ok::<(), Infallible>(()));
-        run
+        let asked = self.asked_over_receiver(paths)?;
+        let mut total = asked.nothing();
+        for k in 0..asked.n_pieces() {
+            let Ok(piece) = self.piece_over_receiver(&asked, k, &|_| Ok::<(), Infallible>(()));
+            total.merge(&piece);
+        }
+        Some(total)
+    }
+
+    /// The same in pieces; `None` without a receiver.
+    pub(crate) fn asked_over_receiver(&self, paths: u64) -> Option<Asked> {
+        self.receiver.as_ref().map(|_| Asked { paths, places: 1 })
     }
 
     /// - `progress`: as for [`PathTracer::at_points_while`]
-    pub(crate) fn over_receiver_while<E: Send>(
+    pub(crate) fn piece_over_receiver<E: Send>(
         &self,
-        paths: u64,
+        asked: &Asked,
+        piece: u64,
         progress: &(dyn Fn(u64) -> Result<(), E> + Sync),
-    ) -> Result<Option<PathRun>, E> {
-        let Some((surface, start)) = self.receiver.as_ref() else { return Ok(None) };
-        let run = self.in_batches(1, paths, 1, &AsItIs, progress, |_, draws| {
+    ) -> Result<PathRun, E> {
+        let (surface, start) = self.receiver.as_ref().expect("who asks has a receiver");
+        self.in_batches(1, asked, piece, &AsItIs, progress, |_, draws| {
             let offset = draws.on(surface);
             let at = surface.origin() + offset;
             let normal = surface.flat_normal().unwrap_or_else(|| offset.normalize());
             Place { at, normal, start: *start, medium: self.room.medium_at(at) }
-        })?;
-        Ok(Some(run))
+        })
     }
 
     fn in_batches<W: Weighing, E: Send>(
         &self,
         stream: u64,
-        paths: u64,
-        places: usize,
+        asked: &Asked,
+        piece: u64,
         weighing: &W,
         progress: &(dyn Fn(u64) -> Result<(), E> + Sync),
         place: impl Fn(usize, &mut Draws) -> Place + Sync,
     ) -> Result<PathRun, E> {
-        let mut total = PathRun::new(places);
-        if places == 0 {
-            return Ok(total);
-        }
-        let n_batches = paths.div_ceil(PATHS_A_BATCH);
+        let mut total = asked.nothing();
+        let places = total.points.len();
+        let batches = asked.batches(piece);
         let root = self.root.with(stream);
-        for first in (0..n_batches).step_by(BATCHES_A_ROUND as usize) {
-            let round = first..(first + BATCHES_A_ROUND).min(n_batches);
+        for first in batches.clone().step_by(BATCHES_A_ROUND as usize) {
+            let round = first..(first + BATCHES_A_ROUND).min(batches.end);
             // One source text, compiled for each instruction set and chosen at run time, as for rays from the light.
             let batch = |k: u64| {
                 progress(0)?;
@@ -204,6 +240,44 @@ impl PathTracer {
             done.iter().for_each(|run| total.merge(run));
         }
         Ok(total)
+    }
+}
+
+/// How many paths, and from how many places: what fixes the pieces of a run.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Asked {
+    paths: u64,
+    places: u64,
+}
+
+impl Asked {
+    /// No path yet.
+    pub fn nothing(&self) -> PathRun {
+        PathRun::new(self.places as usize)
+    }
+
+    fn n_batches(&self) -> u64 {
+        if self.places == 0 { 0 } else { self.paths.div_ceil(PATHS_A_BATCH) }
+    }
+
+    fn batches_a_piece(&self) -> u64 {
+        let enough = PATHS_A_PIECE.div_ceil(PATHS_A_BATCH * self.places.max(1));
+        enough.max(self.n_batches().div_ceil(MOST_PIECES)).next_multiple_of(BATCHES_A_ROUND)
+    }
+
+    pub fn n_pieces(&self) -> u64 {
+        self.n_batches().div_ceil(self.batches_a_piece())
+    }
+
+    fn batches(&self, piece: u64) -> std::ops::Range<u64> {
+        let of = self.batches_a_piece();
+        piece * of..((piece + 1) * of).min(self.n_batches())
+    }
+
+    /// Paths of a piece from all places, about.
+    pub fn paths_of_piece(&self, piece: u64) -> u64 {
+        let batches = self.batches(piece);
+        (batches.end - batches.start) * PATHS_A_BATCH * self.places
     }
 }
 

@@ -17,6 +17,7 @@ macro_rules! quantity {
     ($(#[$doc:meta])* $name:ident, $unit:ident) => {
         $(#[$doc])*
         #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
+        #[cfg_attr(feature = "studies", derive(serde::Serialize, serde::Deserialize))]
         pub struct $name(f64);
 
         impl $name {

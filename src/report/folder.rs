@@ -76,19 +76,23 @@ fn whole_name(name: &str) -> &str {
 
 /// Makes one folder, makes sure that files can be written and moved in it, and removes the named ones of an earlier run.
 pub(super) fn claim_files(dir: &Path, names: &[&str]) -> Result<(), ReportError> {
-    fs::create_dir_all(dir).map_err(|source| unusable(dir, source))?;
-    let probe = dir.join(format!(".probe-{}.{PARTIAL}", std::process::id()));
-    let moved = dir.join(format!(".probe-{}-moved.{PARTIAL}", std::process::id()));
-    fs::write(&probe, b"etendue").map_err(|source| unusable(dir, source))?;
-    let renamed = fs::rename(&probe, &moved);
-    let _ = fs::remove_file(&probe);
-    renamed.map_err(|source| unusable(dir, source))?;
-    fs::remove_file(&moved).map_err(|source| unusable(dir, source))?;
+    probe(dir)?;
     for name in names {
         remove(&dir.join(name))?;
         remove(&dir.join(format!(".{name}.{PARTIAL}")))?;
     }
     Ok(())
+}
+
+/// Makes one folder, and makes sure that files can be written and moved in it.
+pub fn probe(dir: &Path) -> Result<(), ReportError> {
+    fs::create_dir_all(dir).map_err(|source| unusable(dir, source))?;
+    let probe = dir.join(format!(".probe-{}.{PARTIAL}", std::process::id()));
+    let moved = dir.join(format!(".probe-{}-moved.{PARTIAL}", std::process::id()));
+    let moves = fs::write(&probe, b"etendue").and_then(|()| fs::rename(&probe, &moved));
+    let _ = fs::remove_file(&probe);
+    moves.map_err(|source| unusable(dir, source))?;
+    fs::remove_file(&moved).map_err(|source| unusable(dir, source))
 }
 
 fn unusable(path: &Path, source: io::Error) -> ReportError {

@@ -65,8 +65,8 @@ pub use comparison::{ComparisonFormat, comparison_text};
 pub use converge::{convergence_table, write_convergence};
 pub use error::ReportError;
 pub use exact::{ExactCase, write_exact};
-pub use folder::claim;
-pub use forecast::forecast_table;
+pub use folder::{claim, probe};
+pub use forecast::{forecast_json, forecast_table};
 pub use growth::{claim_growth, growth_table, write_growth};
 pub use images::{claim_images, images_table, write_files, write_images};
 #[cfg(feature = "cli")]

@@ -4,6 +4,7 @@ use std::fmt;
 
 /// What a strategy draws, and with which density.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[cfg_attr(feature = "studies", derive(serde::Serialize, serde::Deserialize))]
 pub enum Technique {
     /// Places on the source, uniform by area.
     Area,
@@ -19,6 +20,7 @@ pub enum Technique {
 /// Transport Simulation*, PhD thesis, Stanford 1997, section 9.2): the technique of density p, beside one of density q with as
 /// many samples, gets the weight pᵝ/(pᵝ + qᵝ).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[cfg_attr(feature = "studies", derive(serde::Serialize, serde::Deserialize))]
 pub enum Heuristic {
     /// β = 1.
     Balance,
@@ -82,6 +84,7 @@ impl PointSet {
 /// What is drawn (points on the sources, directions), how the draws of one estimate lie to one another, and whether they
 /// are fresh for each shading point or shared by all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[cfg_attr(feature = "studies", derive(serde::Serialize, serde::Deserialize))]
 pub enum Strategy {
     /// N independent uniform points, fresh for each shading point.
     Random,

@@ -17,6 +17,7 @@ const BLOCK: u32 = 256;
 
 /// Sums of powers of x − pivot in plain `f64`: the inner loop.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "studies", derive(serde::Serialize, serde::Deserialize))]
 struct BlockSums {
     n: u32,
     powers: [f64; 4],
@@ -38,6 +39,7 @@ impl BlockSums {
 ///
 /// The same values added in the same order, and the same parts merged in the same order, give the same bits.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "studies", derive(serde::Serialize, serde::Deserialize))]
 pub struct PowerSums {
     pivot: f64,
     /// Values in `totals`.

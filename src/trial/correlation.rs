@@ -22,39 +22,34 @@ struct Separation {
     pairs: Vec<(usize, usize)>,
 }
 
-/// Correlation of the errors against separation, for each cell: the mean over the pairs at that separation, with a
+/// Correlation of the errors against separation, for one cell: the mean over the pairs at that separation, with a
 /// jackknife interval over the replicates on Fisher's scale. Points whose estimates never vary, or vary by events that are
 /// too rare among the replicates that were kept, take no part.
 pub(super) fn correlations(
     prepared: &Prepared,
     strategy: Strategy,
-    cells: &[CellSums],
-    plans: &[CellPlan],
+    cell: &CellSums,
+    plan: &CellPlan,
 ) -> Vec<Correlation> {
-    let separations = separations(&prepared.case.configuration);
     let n_points = prepared.exact.len();
-    let mut found = Vec::new();
-    for (cell, plan) in cells.iter().zip(plans) {
-        let rows = cell.kept.len() / n_points;
-        if rows < 2 * GROUPS {
-            continue;
-        }
-        let takes_part: Vec<bool> = (cell.points.iter().zip(&plan.prediction.alike).zip(prepared.exact))
-            .map(|((sums, predicted), exact)| *exact > 0.0 && !is_rare(sums, *predicted, rows as u64))
-            .collect();
-        let predicted = predicted(prepared, strategy, &separations, &takes_part);
-        let kept = Kept::new(&cell.kept, n_points);
-        for (separation, predicted) in separations.iter().zip(&predicted) {
-            let found_of = |(correlation, parts): (f64, Vec<f64>)| {
-                let interval = from_left_out(fisher(correlation), &parts, LEVEL)?;
-                let (metres, predicted) = (separation.metres, *predicted);
-                let (low, high) = (interval.low, interval.high);
-                Some(Correlation { samples: cell.samples, separation: metres, correlation, low, high, predicted })
-            };
-            found.extend(kept.correlation(separation, &takes_part).and_then(found_of));
-        }
+    let rows = cell.kept.len() / n_points;
+    if rows < 2 * GROUPS {
+        return Vec::new();
     }
-    found
+    let separations = separations(&prepared.case.configuration);
+    let takes_part: Vec<bool> = (cell.points.iter().zip(&plan.prediction.alike).zip(prepared.exact))
+        .map(|((sums, predicted), exact)| *exact > 0.0 && !is_rare(sums, *predicted, rows as u64))
+        .collect();
+    let predicted = predicted(prepared, strategy, &separations, &takes_part);
+    let kept = Kept::new(&cell.kept, n_points);
+    let found = |(separation, predicted): (&Separation, &Option<f64>)| {
+        let (correlation, parts) = kept.correlation(separation, &takes_part)?;
+        let interval = from_left_out(fisher(correlation), &parts, LEVEL)?;
+        let (metres, predicted) = (separation.metres, *predicted);
+        let (low, high) = (interval.low, interval.high);
+        Some(Correlation { samples: cell.samples, separation: metres, correlation, low, high, predicted })
+    };
+    separations.iter().zip(&predicted).filter_map(found).collect()
 }
 
 /// Estimates less exact values of the replicates that were kept, and what is needed of them for each group left out.

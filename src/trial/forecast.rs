@@ -1,12 +1,12 @@
 //! What a run would cost and could see, before anything is spent on it.
 
-use std::convert::Infallible;
-
 use super::cost::median;
-use super::measure::{BATCHES, Prepared, replicates_at_once, seconds_of};
+use super::desk::Alone;
+use super::measure::{BATCHES, Prepared, rays_of, replicates_at_once, seconds_of};
+use super::outcome::Timing;
 use super::plan::CellPlan;
 use super::ready::Ready;
-use super::run::{plans, rays_of};
+use super::run::plans;
 use super::settings::Settings;
 use crate::case::Case;
 use crate::estimator::for_technique;
@@ -41,39 +41,66 @@ pub struct Forecast {
     pub predicted: bool,
 }
 
+/// A cell and the processor seconds that it should take.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CellCost {
+    pub strategy: Strategy,
+    pub samples: u64,
+    pub rays: u64,
+    pub seconds: f64,
+}
+
 /// Plans every case, and times it.
 pub fn forecast(cases: &[Case], settings: &Settings) -> Vec<Forecast> {
-    let mut forecasts = Vec::new();
-    for case in cases.iter().filter(|case| case.measures_direct_light()) {
-        let study = settings.study(&case.study);
-        let ready = Ready::new(case, &study, &for_technique);
-        for strategy in &study.strategies {
-            let prepared = ready.prepared(settings.seed, *strategy);
-            let never = |_| Ok::<(), Infallible>(());
-            let Ok(plans) = plans(&prepared, &study, *strategy, &never, &never);
-            let (mut rays, mut seconds) = (plans.pilot_rays, plans.pilot_seconds);
-            for plan in &plans.cells {
-                rays += rays_of(&prepared, plan.samples, plan.replicates);
-                seconds += seconds_of_cell(&prepared, *strategy, plan);
-            }
-            let biases: Vec<_> = plans.cells.iter().map(|plan| plan.smallest_biases(&prepared, &study)).collect();
-            let mean = biases.iter().filter_map(|biases| biases.mean).reduce(f64::max);
-            let point = biases.iter().filter_map(|biases| biases.point).reduce(f64::max);
-            let within = |found: Option<f64>, asked: f64| found.is_none_or(|found| found <= asked * (1.0 + 1e-9));
-            forecasts.push(Forecast {
-                case: case.name.clone(),
-                strategy: *strategy,
-                cells: plans.cells.iter().map(|plan| (plan.samples, plan.replicates)).collect(),
-                rays,
-                seconds,
-                smallest_bias_mean: mean,
-                smallest_bias_point: point,
-                suffices: within(mean, study.smallest_bias.mean) && within(point, study.smallest_bias.point),
-                predicted: plans.pilot_rays == 0,
-            });
-        }
+    cases.iter().flat_map(|case| forecast_case(case, settings).0).collect()
+}
+
+/// One case, with the cost of each cell (its pilot included), and of the exact side.
+pub(super) fn forecast_case(case: &Case, settings: &Settings) -> (Vec<Forecast>, Vec<CellCost>, f64) {
+    if !case.measures_direct_light() {
+        return (Vec::new(), Vec::new(), 0.0);
     }
-    forecasts
+    let study = settings.study(&case.study);
+    let ready = Ready::new(case, &study, &for_technique);
+    // Predictions are found on all threads.
+    let threads = rayon::current_num_threads() as f64;
+    let seconds_of = |timing: &Timing| timing.seconds * if timing.stage == "predict" { threads } else { 1.0 };
+    let exact_seconds = ready.timings.iter().map(seconds_of).sum();
+    let (mut forecasts, mut costs) = (Vec::new(), Vec::new());
+    for strategy in &study.strategies {
+        let prepared = ready.prepared(settings.seed, *strategy);
+        let Ok(plans) = plans(&prepared, &study, *strategy, &Alone);
+        let cells: Vec<CellPlan> = plans.cells.into_iter().flatten().collect();
+        let of_pilot = plans.pilot_seconds / cells.len().max(1) as f64;
+        let (mut rays, mut seconds) = (plans.pilot_rays, plans.pilot_seconds);
+        for plan in &cells {
+            let of_cell = CellCost {
+                strategy: *strategy,
+                samples: plan.samples,
+                rays: rays_of(&prepared, plan.samples, plan.replicates),
+                seconds: seconds_of_cell(&prepared, *strategy, plan),
+            };
+            rays += of_cell.rays;
+            seconds += of_cell.seconds;
+            costs.push(CellCost { seconds: of_cell.seconds + of_pilot, ..of_cell });
+        }
+        let biases: Vec<_> = cells.iter().map(|plan| plan.smallest_biases(&prepared, &study)).collect();
+        let mean = biases.iter().filter_map(|biases| biases.mean).reduce(f64::max);
+        let point = biases.iter().filter_map(|biases| biases.point).reduce(f64::max);
+        let within = |found: Option<f64>, asked: f64| found.is_none_or(|found| found <= asked * (1.0 + 1e-9));
+        forecasts.push(Forecast {
+            case: case.name.clone(),
+            strategy: *strategy,
+            cells: cells.iter().map(|plan| (plan.samples, plan.replicates)).collect(),
+            rays,
+            seconds,
+            smallest_bias_mean: mean,
+            smallest_bias_point: point,
+            suffices: within(mean, study.smallest_bias.mean) && within(point, study.smallest_bias.point),
+            predicted: plans.pilot_rays == 0,
+        });
+    }
+    (forecasts, costs, exact_seconds)
 }
 
 /// What a cell will take: the median of several timings, scaled to all its replicates.

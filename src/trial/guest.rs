@@ -332,11 +332,12 @@ impl Judging<'_> {
             strategy: Strategy::Random,
             guest: Some(invitation.name.to_owned()),
             rates: Vec::new(),
-            correlations: if *shared {
-                Vec::new()
-            } else {
-                correlations(&prepared, Strategy::Random, &cells, &plans)
-            },
+            correlations: cells
+                .iter()
+                .zip(&plans)
+                .filter(|_| !shared)
+                .flat_map(|(cell, plan)| correlations(&prepared, Strategy::Random, cell, plan))
+                .collect(),
             verdicts,
             cells: cells.iter().zip(&plans).map(|(cell, plan)| shown(cell, plan)).collect(),
             timings: timings.collect(),

@@ -5,15 +5,15 @@
 //! as its mean ([`RoomLight::largest_mean_square`]). The gate takes any variance from above, so a verdict leans on that bound
 //! and on nothing measured, and says so.
 
-use std::time::Instant;
-
+use super::desk::Stage;
 use super::onlooker::{Onlooker, Stopped};
 use super::outcome::{JudgedProperty, PathOutcome, PathRow, Timing};
+use super::pieces;
 use crate::case::{Case, SmallestBias};
 use crate::configuration::{Configuration, MeasurementPoint};
-use crate::light::{Light, LightSettings, LightTracer, Moments};
+use crate::light::{Light, Moments};
 use crate::oracle::optics::{Bounded, RoomLight, Way};
-use crate::path::{AsItIs, Part, PathPoint, PathRun, PathSettings, PathTracer};
+use crate::path::{Part, PathPoint, PathRun, PathSettings, PathTracer};
 use crate::statistics::evidence::{THRESHOLD_LOG10, ln_average, log10_capped, replicates_for, smallest_shift};
 use crate::statistics::interval::Z_95;
 use crate::statistics::{Capital, Observed, Statement, Verdict};
@@ -38,7 +38,7 @@ const NAMES: [&str; 2] = ["eye_paths", "next_event"];
 /// Follows eye paths through one case, and judges them.
 ///
 /// - `onlooker`: told of the paths; where it errs, the case is given up
-/// - `None` where no light is bent and no diffuse surface lights another
+/// - `None` where no light is bent and no diffuse surface lights another; or where all of it is somebody else's
 pub(super) fn indirect(
     case: &Case,
     seed: u64,
@@ -49,24 +49,18 @@ pub(super) fn indirect(
 ) -> Result<Option<PathOutcome>, Stopped> {
     let room = &case.configuration;
     let mut outcome = PathOutcome::default();
-    if let Some(due) = Due::of(room, onlooker)? {
-        let followed = |tracer: &PathTracer, paths: u64| {
-            onlooker.planned(paths * due.points.len() as u64)?;
-            tracer.at_points_while(paths, &AsItIs, &|paths| onlooker.traced(paths))
-        };
+    if let Some(due) = Due::found(room, || onlooker.goes_on())? {
         let smallest = due.promised(smallest);
         for next_event in [false, true] {
-            let settings = PathSettings { next_event, ..PathSettings::default() };
-            let tracer = PathTracer::new(room, &settings, seed);
-            let start = Instant::now();
             let Some(spreads) = due.spreads(next_event) else {
                 // Shown all the same: how often a source is met.
-                let run = followed(&tracer, VAIN_SURVEY)?;
-                outcome.rows.extend(rows(room, &due, None, &run, next_event));
+                if let Some((run, _)) = pieces::paths(case, seed, VAIN_SURVEY, next_event, onlooker)? {
+                    outcome.rows.extend(rows(room, &due, None, &run, next_event));
+                }
                 continue;
             };
-            let run = followed(&tracer, due.planned(&spreads, smallest))?;
-            let seconds = start.elapsed().as_secs_f64();
+            let planned = due.planned(&spreads, smallest);
+            let Some((run, seconds)) = pieces::paths(case, seed, planned, next_event, onlooker)? else { continue };
             outcome.rows.extend(rows(room, &due, Some(&spreads), &run, next_event));
             outcome.timings.push(timing(&due, &run, next_event, seconds));
             let judged = judge(&due, &spreads, &run, smallest, reproduce);
@@ -77,6 +71,23 @@ pub(super) fn indirect(
         against_the_map(case, seed, quick, &mut outcome, onlooker)?;
     }
     Ok((!outcome.rows.is_empty()).then_some(outcome))
+}
+
+/// Paths from each point; `None` where none are followed.
+pub(super) fn planned_paths(case: &Case, next_event: bool, smallest: SmallestBias) -> Option<u64> {
+    let Ok(due) = Due::found(&case.configuration, || Ok::<(), std::convert::Infallible>(()));
+    let due = due?;
+    Some(due.spreads(next_event).map_or(VAIN_SURVEY, |spreads| due.planned(&spreads, due.promised(smallest))))
+}
+
+/// Paths from all over the receiver.
+pub(super) fn surveyed(can_reach: bool, quick: bool) -> u64 {
+    if can_reach && !quick { SURVEY } else { VAIN_SURVEY }
+}
+
+/// Rays of the map that is compared with them.
+pub(super) fn compared(case: &Case, quick: bool) -> u64 {
+    (case.light.rays / if quick { 16 * COMPARED } else { COMPARED }).max(1)
 }
 
 /// What is due at the points of a case.
@@ -90,12 +101,14 @@ struct Due<'a> {
 
 impl Due<'_> {
     /// `None` where there is nothing to measure, or the exact side does not know it at every point.
-    fn of<'a>(room: &'a Configuration, onlooker: &Onlooker) -> Result<Option<Due<'a>>, Stopped> {
+    ///
+    /// - `goes_on`: asked between points
+    fn found<E>(room: &Configuration, goes_on: impl Fn() -> Result<(), E>) -> Result<Option<Due<'_>>, E> {
         let light = RoomLight::new(room);
         let Some(way) = light.judged() else { return Ok(None) };
         let mut exact: Vec<Bounded> = Vec::new();
         for point in room.points() {
-            onlooker.goes_on()?;
+            goes_on()?;
             let Some(due) = light.at(point).by(way) else { return Ok(None) };
             exact.push(due);
         }
@@ -316,18 +329,15 @@ fn against_the_map(
     onlooker: &Onlooker,
 ) -> Result<(), Stopped> {
     let room = &case.configuration;
+    if room.receiver().is_none() {
+        return Ok(());
+    }
     let tracer = PathTracer::new(room, &PathSettings::default(), seed);
-    let survey = if tracer.can_reach() && !quick { SURVEY } else { VAIN_SURVEY };
-    let start = Instant::now();
-    onlooker.planned(survey)?;
-    let traced = |rays| onlooker.traced(rays);
-    let Some(eye) = tracer.over_receiver_while(survey, &traced)? else { return Ok(()) };
-    let eye_seconds = start.elapsed().as_secs_f64();
-    let rays = (case.light.rays / if quick { 16 * COMPARED } else { COMPARED }).max(1);
-    let start = Instant::now();
-    onlooker.planned(rays)?;
-    let run = LightTracer::new(room, &LightSettings { rays, ..case.light.clone() }, seed).run_while(&traced)?;
-    let map_seconds = start.elapsed().as_secs_f64();
+    let survey = surveyed(tracer.can_reach(), quick);
+    let eye = pieces::survey(&tracer, survey, onlooker)?;
+    let rays = compared(case, quick);
+    let run = pieces::light(case, seed, rays, Stage::Compared, onlooker)?;
+    let (Some((eye, eye_seconds)), Some((run, map_seconds))) = (eye, run) else { return Ok(()) };
     // The receiver's is the first map.
     let Some(map) = run.maps.first() else { return Ok(()) };
     let (mut area, mut texels, mut flux, mut variance, mut square) = (0.0, 0.0, 0.0, 0.0, 0.0);
@@ -399,7 +409,6 @@ mod tests {
     use crate::case::shipped;
     use crate::path::Weighing;
     use crate::statistics::budget::seed_of;
-    use std::ops::ControlFlow;
 
     const SMALLEST: SmallestBias = SmallestBias { mean: 3e-2, point: 3e-1 };
 
@@ -408,7 +417,8 @@ mod tests {
     }
 
     fn alone(room: &Configuration) -> Option<Due<'_>> {
-        Due::of(room, &Onlooker::new("alone", &|_| ControlFlow::Continue(()))).unwrap()
+        let Ok(due) = Due::found(room, || Ok::<(), std::convert::Infallible>(()));
+        due
     }
 
     fn verdict(name: &str, next_event: bool, weighing: &impl Weighing) -> Verdict {

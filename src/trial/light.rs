@@ -8,15 +8,16 @@
 //!   most m (g − m): known beforehand, whatever the optics, and exact where a group is one ray.
 
 use std::f64::consts::PI;
-use std::time::Instant;
 
+use super::desk::Stage;
 use super::map_error;
 use super::onlooker::{Onlooker, Stopped};
 use super::outcome::{CausticBin, JudgedProperty, LightOutcome, LightRow, Timing};
+use super::pieces;
 use crate::case::{Case, SmallestBias};
 use crate::configuration::{Configuration, ReceiverShape};
 use crate::geometry::{Texel, TexelGrid};
-use crate::light::{Light, LightRun, LightSettings, LightTracer, Moments, Sum, TexelMap};
+use crate::light::{Light, LightRun, Moments, Sum, TexelMap};
 use crate::oracle::optics::{
     Bounded, CausticLayout, CupLayout, deposited_power, power_by_lampshade, power_through_two_spheres,
 };
@@ -35,7 +36,7 @@ const WELL_LIT: f64 = 0.01;
 ///
 /// - `quick`: a sixteenth of the rays that the case asks for
 /// - `onlooker`: told of the rays; where it errs, the case is given up
-/// - `None` where there is nothing to follow: no mirror, glass or lamp
+/// - `None` where there is nothing to follow: no mirror, glass or lamp; or where some of it is somebody else's
 pub(super) fn light(
     case: &Case,
     seed: u64,
@@ -51,27 +52,26 @@ pub(super) fn light(
     onlooker.goes_on()?;
     let layout = CausticLayout::of(room);
     let due = deposited_power(room, case.light.depth);
-    let most = if quick { (case.light.rays / 16).max(1) } else { case.light.rays };
-    let start = Instant::now();
     let mut rows = Vec::new();
     let mut last = None;
+    let (mut all, mut seconds) = (true, 0.0);
     let mut texels = Vec::new();
     let grid = TexelGrid::new(case.light.map[0], case.light.map[1]).ok();
     let squares = match (&layout, grid) {
         (Some(layout), Some(grid)) => map_error::squares(room, layout, grid),
         _ => Vec::new(),
     };
-    let budgets = [most.div_ceil(16), most.div_ceil(4), most];
-    onlooker.planned(budgets.iter().sum())?;
-    for rays in budgets {
-        let settings = LightSettings { rays, ..case.light.clone() };
-        let run = LightTracer::new(room, &settings, seed).run_while(&|rays| onlooker.traced(rays))?;
+    for rays in budgets(case, quick) {
+        let Some((run, of_run)) = pieces::light(case, seed, rays, Stage::Light { rays }, onlooker)? else {
+            all = false;
+            continue;
+        };
+        seconds += of_run;
         rows.push(row(&run, room, due.all));
         texels.extend(map_error::rows(&run, &squares));
         last = Some(run);
     }
-    let Some(run) = last else { return Ok(None) };
-    let seconds = start.elapsed().as_secs_f64();
+    let Some(run) = last.filter(|_| all) else { return Ok(None) };
     let mut bins = layout.as_ref().map_or_else(Vec::new, |layout| bins(&run, layout));
     bins.extend(on_all(&run, room, due.by_flat_mirror));
     bins.extend(tiles(&run, room));
@@ -83,6 +83,12 @@ pub(super) fn light(
     let rays = rows.iter().map(|row| row.rays).sum();
     let timing = Timing { stage: "light", rays, seconds, efficiency: None };
     Ok(Some(LightOutcome { rows, bins, texels, verdicts, timing }))
+}
+
+/// Rays of the three runs.
+pub(super) fn budgets(case: &Case, quick: bool) -> [u64; 3] {
+    let most = if quick { (case.light.rays / 16).max(1) } else { case.light.rays };
+    [most.div_ceil(16), most.div_ceil(4), most]
 }
 
 /// What a reader should know of a run that no verdict says.
@@ -440,7 +446,7 @@ fn deviation(claim: &Claim) -> (f64, f64) {
 mod tests {
     use super::*;
     use crate::case::shipped_caustics;
-    use crate::light::trace;
+    use crate::light::{LightSettings, trace};
 
     const SMALLEST: SmallestBias = SmallestBias { mean: 1e-2, point: 0.5 };
 

@@ -1,10 +1,10 @@
 //! One cell of a study: all points, one strategy, one sample count, many replicates.
 
-use std::convert::Infallible;
 use std::f64::consts::PI;
 use std::ops::Range;
 use std::time::Instant;
 
+use super::desk::{Alone, Desk, Portion, Record, Stage, Within, is_whole};
 use super::predict::Predictions;
 use crate::case::Case;
 use crate::configuration::Digest;
@@ -67,6 +67,8 @@ pub(super) struct Prepared<'a> {
 }
 
 /// What the replicates of one cell came to.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "studies", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct CellSums {
     pub samples: u64,
     pub replicates: u64,
@@ -79,6 +81,7 @@ pub(super) struct CellSums {
     /// [replicate][point], row-major: estimates less exact values of the first replicates, W/m².
     pub kept: Vec<f64>,
     /// CPU seconds over all threads.
+    #[cfg_attr(feature = "studies", serde(skip))]
     pub seconds: f64,
 }
 
@@ -109,11 +112,12 @@ impl CellSums {
     }
 }
 
-struct UnitSums {
+/// The same of one of its parts.
+#[cfg_attr(feature = "studies", derive(serde::Serialize, serde::Deserialize))]
+struct PartSums {
     points: Vec<PowerSums>,
     contrasts: Vec<PowerSums>,
     kept: Vec<f64>,
-    seconds: f64,
 }
 
 /// Measures a cell to its end, and tells nobody.
@@ -124,49 +128,91 @@ pub(super) fn measure_alone(
     samples: u64,
     replicates: u64,
 ) -> CellSums {
-    let Ok(sums) = measure(prepared, purpose, strategy, samples, replicates, &|_| Ok::<(), Infallible>(()));
-    sums
+    let Ok(sums) = measure(prepared, purpose, strategy, samples, replicates, &Alone);
+    sums.expect("nobody else has a part of it")
 }
 
-/// Measures a cell. The result does not depend on the number of threads: units are fixed by the replicates alone and
+/// A cell as one unit, and what is made of it: of a small one all is kept at once, of a large one part by part.
+///
+/// - `finish`: makes of the sums what is wanted
+/// - `None`: some of it is somebody else's
+pub(super) fn measure_unit<D: Desk, T: Record>(
+    prepared: &Prepared,
+    purpose: Purpose,
+    strategy: Strategy,
+    [samples, replicates]: [u64; 2],
+    desk: &D,
+    finish: impl FnOnce(CellSums) -> (T, f64),
+) -> Result<Option<(T, f64)>, D::End> {
+    let rays = rays_of(prepared, samples, replicates);
+    if !is_whole(rays) {
+        return Ok(measure(prepared, purpose, strategy, samples, replicates, desk)?.map(finish));
+    }
+    let part = Portion::whole(Stage::of_cell(purpose, strategy, samples));
+    desk.unit(part, rays, || {
+        let sums = measure(prepared, purpose, strategy, samples, replicates, &Within(desk))?;
+        Ok(finish(sums.expect("nobody else has a part of it")))
+    })
+}
+
+/// Shadow rays of a cell.
+pub(super) fn rays_of(prepared: &Prepared, samples: u64, replicates: u64) -> u64 {
+    prepared.estimator.rays_per_estimate(samples) * prepared.exact.len() as u64 * replicates
+}
+
+/// Measures a cell. The result does not depend on the number of threads: parts are fixed by the replicates alone and
 /// merged in order.
 ///
-/// - `progress`: told the shadow rays of each finished part of a unit; where it errs, the cell is given up
-pub(super) fn measure<E: Send + Sync>(
+/// - `desk`: told the shadow rays of each finished portion of a part; has the parts, unless the cell is within a unit
+/// - `None`: some part is somebody else's
+pub(super) fn measure<D: Desk>(
     prepared: &Prepared,
     purpose: Purpose,
     strategy: Strategy,
     samples: u64,
     replicates: u64,
-    progress: &(dyn Fn(u64) -> Result<(), E> + Sync),
-) -> Result<CellSums, E> {
+    desk: &D,
+) -> Result<Option<CellSums>, D::End> {
     let key = StreamKey::cell(prepared.seed, prepared.digest.key(), purpose, strategy, samples);
-    let units = BATCHES.min(replicates);
-    let ranges = (0..units).map(|k| k * replicates / units..(k + 1) * replicates / units);
+    let stage = Stage::of_cell(purpose, strategy, samples);
+    let of = BATCHES.min(replicates) as u32;
+    let range = |k: u32| {
+        let edge = |k: u32| (u128::from(k) * u128::from(replicates) / u128::from(of)) as u64;
+        edge(k)..edge(k + 1)
+    };
     let n_points = prepared.exact.len();
     let mut sums = CellSums::new(prepared, samples, replicates);
-    // A wave of units at a time, so that memory stays bounded for maps of a million points.
+    // A wave of parts at a time, so that memory stays bounded for maps of a million points.
     let wave = (1_000_000 / n_points).clamp(2, BATCHES as usize);
-    let ranges: Vec<Range<u64>> = ranges.collect();
-    for wave in ranges.chunks(wave) {
-        let rays = prepared.estimator.rays_per_estimate(samples) * n_points as u64;
-        let done = threads::map(wave, |range| {
-            measure_unit(prepared, strategy, samples, key, range.clone(), |done| progress(rays * done))
+    let indices: Vec<u32> = (0..of).collect();
+    let rays = rays_of(prepared, samples, 1);
+    let mut is_all_here = true;
+    for wave in indices.chunks(wave) {
+        let done = threads::map(wave, |index| {
+            let range = range(*index);
+            let part = Portion { stage, index: *index, of };
+            let of_part = rays * (range.end - range.start);
+            desk.unit(part, of_part, || {
+                measure_part(prepared, strategy, samples, key, range, |done| desk.traced(rays * done))
+            })
         });
-        for unit in done {
-            let unit = unit?;
-            sums.batches.push(unit.points.iter().map(|s| s.mean_square_deviation().unwrap_or(0.0)).collect());
-            for (total, part) in sums.points.iter_mut().zip(&unit.points) {
+        for part in done {
+            let Some((part, seconds)) = part? else {
+                is_all_here = false;
+                continue;
+            };
+            sums.batches.push(part.points.iter().map(|s| s.mean_square_deviation().unwrap_or(0.0)).collect());
+            for (total, part) in sums.points.iter_mut().zip(&part.points) {
                 total.merge(part);
             }
-            for (total, part) in sums.contrasts.iter_mut().zip(&unit.contrasts) {
+            for (total, part) in sums.contrasts.iter_mut().zip(&part.contrasts) {
                 total.merge(part);
             }
-            sums.kept.extend(unit.kept);
-            sums.seconds += unit.seconds;
+            sums.kept.extend(part.kept);
+            sums.seconds += seconds;
         }
     }
-    Ok(sums)
+    Ok(is_all_here.then_some(sums))
 }
 
 /// Seconds of some replicates of a cell on one thread, worked on as a unit of a run is. Their estimates are let go.
@@ -179,27 +225,27 @@ pub(super) fn seconds_of(
     replicates: Range<u64>,
 ) -> f64 {
     let key = StreamKey::cell(prepared.seed, prepared.digest.key(), purpose, strategy, samples);
-    let Ok(unit) = measure_unit(prepared, strategy, samples, key, replicates, |_| Ok::<(), Infallible>(()));
-    unit.seconds
+    let Ok((_, seconds)) = measure_part(prepared, strategy, samples, key, replicates, |_| Alone.traced(0));
+    seconds
 }
 
-/// - `progress`: told the replicates of each finished part
-fn measure_unit<E>(
+/// - `progress`: told the replicates of each finished portion
+/// - returns seconds, too
+fn measure_part<E>(
     prepared: &Prepared,
     strategy: Strategy,
     samples: u64,
     key: StreamKey,
     replicates: Range<u64>,
     progress: impl Fn(u64) -> Result<(), E>,
-) -> Result<UnitSums, E> {
+) -> Result<(PartSums, f64), E> {
     let start = Instant::now();
     let exact = prepared.exact;
     let points = prepared.case.configuration.points();
-    let mut unit = UnitSums {
+    let mut unit = PartSums {
         points: exact.iter().map(|e| PowerSums::about(*e)).collect(),
         contrasts: prepared.contrasts.exact.iter().map(|e| PowerSums::about(*e)).collect(),
         kept: Vec::new(),
-        seconds: 0.0,
     };
     let mut scratch = Scratch::default();
     let mut estimates = Vec::new();
@@ -236,11 +282,10 @@ fn measure_unit<E>(
             progress(std::mem::take(&mut untold))?;
         }
     }
-    unit.seconds = start.elapsed().as_secs_f64();
-    Ok(unit)
+    Ok((unit, start.elapsed().as_secs_f64()))
 }
 
-/// Replicates estimated in one go: enough for small estimates to lie side by side, few enough for the cache. Part of
+/// Replicates estimated in one go: enough for small estimates to lie side by side, few enough for the cache. Portion of
 /// the format, like the block of the sums: it fixes the order of additions.
 pub(super) fn replicates_at_once(n_points: usize) -> u64 {
     (32_768 / n_points as u64).clamp(1, 256)

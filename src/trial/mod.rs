@@ -6,12 +6,19 @@
 
 mod accept;
 #[cfg(feature = "studies")]
+mod bill;
+#[cfg(feature = "studies")]
 mod compare;
 #[cfg(feature = "studies")]
 mod converge;
 mod correlation;
 #[cfg(feature = "studies")]
 mod cost;
+mod desk;
+#[cfg(feature = "studies")]
+mod division;
+#[cfg(feature = "studies")]
+mod fingerprint;
 #[cfg(feature = "studies")]
 mod forecast;
 #[cfg(feature = "studies")]
@@ -22,6 +29,8 @@ mod images;
 #[cfg(feature = "studies")]
 mod indirect;
 mod judge;
+#[cfg(feature = "studies")]
+mod keeper;
 mod lean;
 #[cfg(feature = "studies")]
 mod lecture;
@@ -37,6 +46,8 @@ mod onlooker;
 mod outcome;
 #[cfg(feature = "studies")]
 mod picture;
+#[cfg(feature = "studies")]
+mod pieces;
 mod plan;
 mod predict;
 mod rare;
@@ -58,6 +69,8 @@ mod techniques;
 mod views;
 
 #[cfg(feature = "studies")]
+pub use bill::{Bill, Item, ShardCost};
+#[cfg(feature = "studies")]
 pub use compare::{
     Comparison, Pairing, Record, RecordedVariance, RecordedVerdict, VarianceChange, VerdictChange, compare,
 };
@@ -65,6 +78,11 @@ pub use compare::{
 pub use converge::{ConvergenceOutcome, ConvergenceTerms, Level, NoConvergence, judge_convergence};
 #[cfg(feature = "studies")]
 pub use cost::{HierarchyCost, TimeTo, median};
+pub use desk::{Portion, Stage};
+#[cfg(feature = "studies")]
+pub use division::{Division, Shard};
+#[cfg(feature = "studies")]
+pub use fingerprint::numeric_fingerprint;
 #[cfg(feature = "studies")]
 pub use forecast::{Forecast, forecast};
 #[cfg(feature = "studies")]
@@ -78,6 +96,8 @@ pub use images::{
     Cause, ImageTerms, ImagesOutcome, LEAST_TOLERANCE, LEAST_TOLERANCE_OF_HALVES, Part, Pixel, PixelTruth, as_judged,
     judge_images,
 };
+#[cfg(feature = "studies")]
+pub use keeper::{Absent, Keeper, Kept, Unit};
 pub use lean::Leaning;
 #[cfg(feature = "studies")]
 pub use lecture::{Lecture, LectureError, lecture};
@@ -95,7 +115,7 @@ pub use ready::Maker;
 #[cfg(feature = "studies")]
 pub use repeat::Repeated;
 #[cfg(feature = "studies")]
-pub use run::{TrialError, run, run_while, run_with};
+pub use run::{TrialError, run, run_kept, run_share, run_while, run_with};
 pub use settings::{Effort, Overrides, Settings, quoted};
 #[cfg(feature = "studies")]
 pub use views::{ReceiverViews, receiver_views};

@@ -286,6 +286,7 @@ pub struct RatePoint {
 
 /// Correlation of the errors of points at one separation.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "studies", derive(serde::Serialize, serde::Deserialize))]
 pub struct Correlation {
     pub samples: u64,
     /// Metres.

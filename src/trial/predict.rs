@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::desk::Desk;
 use super::techniques::of_technique;
 use crate::case::Study;
 use crate::configuration::{Configuration, MeasurementPoint};
@@ -11,6 +12,7 @@ use crate::sampling::{PointSet, Strategy, Technique};
 use crate::threads;
 
 /// Predicted spreads of one case, for all strategies of a study.
+#[cfg_attr(feature = "studies", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Predictions {
     /// [point]: one sample on each source, uniform by area.
     area: Vec<Option<Spread>>,
@@ -22,6 +24,7 @@ pub(super) struct Predictions {
 }
 
 /// Of one sample on each source that all points share.
+#[cfg_attr(feature = "studies", derive(serde::Serialize, serde::Deserialize))]
 struct SharedSpreads {
     contrasts: Vec<Tolerated>,
     /// [pair of `pairs`]: correlation.
@@ -30,6 +33,7 @@ struct SharedSpreads {
 
 /// A spread, and how far off its variance may be, W²/m⁴.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "studies", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Tolerated {
     pub spread: Spread,
     pub error: f64,
@@ -75,20 +79,19 @@ impl Predictions {
         weights: &[Vec<f64>],
         pairs: &[(usize, usize)],
     ) -> Predictions {
-        let never = || Ok::<(), std::convert::Infallible>(());
-        let Ok(found) = Predictions::new_while(oracle, configuration, study, weights, pairs, &never);
+        let Ok(found) = Predictions::at(oracle, configuration, study, weights, pairs, &super::desk::Alone);
         found
     }
 
-    /// - `goes_on`: asked between points; where it errs, they are given up
-    pub fn new_while<E: Send + Sync>(
+    /// - `desk`: asked between points; where it errs, they are given up
+    pub fn at<D: Desk>(
         oracle: &Oracle,
         configuration: &Configuration,
         study: &Study,
         weights: &[Vec<f64>],
         pairs: &[(usize, usize)],
-        goes_on: &(dyn Fn() -> Result<(), E> + Sync),
-    ) -> Result<Predictions, E> {
+        desk: &D,
+    ) -> Result<Predictions, D::End> {
         let points = configuration.points();
         let asks =
             |set: PointSet| study.strategies.iter().any(|s| s.technique() == Technique::Area && s.point_set() == set);
@@ -97,17 +100,17 @@ impl Predictions {
                 Some(sum.plus(oracle.area_moments(source, point)?.spread()))
             })
         };
-        let area = of_each(points, goes_on, by_area)?;
+        let area = of_each(points, desk, by_area)?;
         let techniques = study.strategies.iter().map(|strategy| strategy.technique());
         let others: BTreeMap<Technique, Vec<Option<Spread>>> = techniques
             .filter(|technique| *technique != Technique::Area)
             .map(|technique| {
                 let of_point = |point: &MeasurementPoint| of_technique(oracle, configuration, technique, point);
-                Ok((technique, of_each(points, goes_on, of_point)?))
+                Ok((technique, of_each(points, desk, of_point)?))
             })
-            .collect::<Result<_, E>>()?;
+            .collect::<Result<_, D::End>>()?;
         let strata = if asks(PointSet::Stratified) {
-            of_each(points, goes_on, |point| oracle.strata_spreads(point, &study.samples, &strata))?
+            of_each(points, desk, |point| oracle.strata_spreads(point, &study.samples, &strata))?
         } else {
             vec![None; points.len()]
         };
@@ -165,12 +168,12 @@ impl Predictions {
 }
 
 /// What is found at each point, unless that is given up.
-fn of_each<R: Send + Sync, E: Send + Sync>(
+fn of_each<R: Send + Sync, D: Desk>(
     points: &[MeasurementPoint],
-    goes_on: &(dyn Fn() -> Result<(), E> + Sync),
+    desk: &D,
     find: impl Fn(&MeasurementPoint) -> R + Sync,
-) -> Result<Vec<R>, E> {
-    threads::map(points, |point| goes_on().map(|()| find(point))).into_iter().collect()
+) -> Result<Vec<R>, D::End> {
+    threads::map(points, |point| desk.traced(0).map(|()| find(point))).into_iter().collect()
 }
 
 /// A weighted sum over points whose estimates are independent of one another.
@@ -182,7 +185,7 @@ fn fresh_sum(weights: &[f64], points: &[Option<Tolerated>]) -> Option<Tolerated>
 }
 
 /// The strata of N points as `[u₀, u₁, v₀, v₁]`: R = ⌊√N⌉ rows, row r with ⌊(r+1)N/R⌋ − ⌊rN/R⌋ of them, as high as its share.
-fn strata(n: u64) -> Vec<[f64; 4]> {
+pub(super) fn strata(n: u64) -> Vec<[f64; 4]> {
     let rows = ((n as f64).sqrt().round() as u64).max(1);
     let start = |row: u64| (u128::from(row) * u128::from(n) / u128::from(rows)) as u64;
     let mut cells = Vec::with_capacity(n as usize);

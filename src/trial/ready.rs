@@ -1,10 +1,10 @@
 //! A case made ready: exact values, predictions, contrasts and estimators, once for all strategies.
 
 use std::collections::BTreeMap;
-use std::convert::Infallible;
 use std::time::Instant;
 
 use super::correlation;
+use super::desk::{Alone, Desk, Portion, Stage};
 use super::measure::{Contrasts, Prepared};
 use super::outcome::{CaseOutcome, StrategyOutcome, Timing};
 use super::predict::Predictions;
@@ -34,44 +34,44 @@ pub(super) struct Ready<'a> {
 impl<'a> Ready<'a> {
     /// - `make`: the estimators that are judged, one for each technique of the study's strategies
     pub fn new(case: &'a Case, study: &Study, make: &Maker) -> Ready<'a> {
-        let Ok(ready) = Ready::new_while(case, study, make, &|| Ok::<(), Infallible>(()));
-        ready
+        let Ok(ready) = Ready::at(case, study, make, &Alone);
+        ready.expect("nobody else has a part of it")
     }
 
-    /// - `goes_on`: asked between points; where it errs, the case is given up
-    pub fn new_while<E: Send + Sync>(
-        case: &'a Case,
-        study: &Study,
-        make: &Maker,
-        goes_on: &(dyn Fn() -> Result<(), E> + Sync),
-    ) -> Result<Ready<'a>, E> {
-        let start = Instant::now();
+    /// - `desk`: asked between points; has exact values and predictions
+    /// - `None`: they are somebody else's
+    pub fn at<D: Desk>(case: &'a Case, study: &Study, make: &Maker, desk: &D) -> Result<Option<Ready<'a>>, D::End> {
         let configuration = &case.configuration;
         let oracle = Oracle::new(configuration);
-        let truth = |point| goes_on().map(|()| oracle.at(point));
-        let truths: Vec<Truth> = configuration.points().iter().map(truth).collect::<Result<_, E>>()?;
-        let timing = |stage, start: Instant| Timing {
-            stage,
-            rays: configuration.points().len() as u64,
-            seconds: start.elapsed().as_secs_f64(),
-            efficiency: None,
-        };
-        let mut timings = vec![timing("exact", start)];
+        let points = configuration.points();
+        let exact = desk.unit(Portion::whole(Stage::Exact), 0, || {
+            let start = Instant::now();
+            let truth = |point| desk.traced(0).map(|()| oracle.at(point));
+            let truths: Vec<Truth> = points.iter().map(truth).collect::<Result<_, D::End>>()?;
+            let seconds = start.elapsed().as_secs_f64();
+            let full = full(configuration, &oracle, &truths);
+            Ok(((truths, full), seconds))
+        })?;
+        let Some(((truths, full), seconds)) = exact else { return Ok(None) };
+        let timing = |stage, seconds| Timing { stage, rays: points.len() as u64, seconds, efficiency: None };
+        let mut timings = vec![timing("exact", seconds)];
         let exact: Vec<f64> = truths.iter().map(|truth| truth.irradiance.watts_per_square_metre()).collect();
         let contrasts = Contrasts::new(&exact);
-        let full = full(configuration, &oracle, &truths);
-        let grazing =
-            configuration.points().iter().zip(&truths).map(|(point, truth)| grazing(configuration, point, truth));
+        let grazing = points.iter().zip(&truths).map(|(point, truth)| grazing(configuration, point, truth));
         let grazing = grazing.collect();
-        let start = Instant::now();
-        let pairs = correlation::pairs(configuration);
-        let predictions = Predictions::new_while(&oracle, configuration, study, &contrasts.weights, &pairs, goes_on)?;
-        timings.push(timing("predict", start));
+        let predictions = desk.unit(Portion::whole(Stage::Predictions), 0, || {
+            let start = Instant::now();
+            let pairs = correlation::pairs(configuration);
+            let asked = Predictions::at(&oracle, configuration, study, &contrasts.weights, &pairs, desk)?;
+            Ok((asked, start.elapsed().as_secs_f64()))
+        })?;
+        let Some((predictions, seconds)) = predictions else { return Ok(None) };
+        timings.push(timing("predict", seconds));
         let mut estimators: BTreeMap<Technique, Box<dyn Estimator>> = BTreeMap::new();
         for strategy in &study.strategies {
             estimators.entry(strategy.technique()).or_insert_with_key(|technique| make(configuration, *technique));
         }
-        Ok(Ready {
+        Ok(Some(Ready {
             case,
             digest: configuration.digest(),
             truths,
@@ -82,7 +82,7 @@ impl<'a> Ready<'a> {
             predictions,
             estimators,
             timings,
-        })
+        }))
     }
 
     /// What was found of the case.

@@ -4,17 +4,20 @@ use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::accept::accept;
 use super::correlation::correlations;
+use super::desk::{Desk, Stage};
 use super::indirect::indirect;
 use super::judge::{self, Judged};
+use super::keeper::Keeper;
 use super::light::light;
-use super::measure::{CellSums, Prepared, measure};
+use super::measure::{CellSums, Prepared, measure_unit, rays_of};
 use super::mesh_rays::compare_hierarchies;
 use super::onlooker::{Onlooker, Progress, Stopped, Tell};
-use super::outcome::{CaseOutcome, RunOutcome, StrategyOutcome, Timing};
+use super::outcome::{CaseOutcome, Correlation, RunOutcome, StrategyOutcome, Timing};
 use super::plan::{CellPlan, pilot_replicates};
 use super::rates::rates;
 use super::ready::{Maker, Ready};
@@ -66,7 +69,42 @@ pub fn run(
 /// The same as long as the onlooker wants it: once it breaks, no case is begun, those under way are given up between two
 /// units of work, and the outcome has the cases that were finished before.
 pub fn run_while(cases: &[Case], settings: &Settings, tell: &Tell) -> Result<RunOutcome, TrialError> {
-    run_all(cases, settings, &for_technique, tell)
+    Run { cases, settings, make: &for_technique, keeper: None, tell }.outcome()
+}
+
+/// The same where somebody keeps the results of units: what was kept before is not made again, and what is made is kept.
+/// The outcome is the same, bit for bit, but for times.
+pub fn run_kept(
+    cases: &[Case],
+    settings: &Settings,
+    keeper: &dyn Keeper,
+    tell: &Tell,
+) -> Result<RunOutcome, TrialError> {
+    let run = Run { cases, settings, make: &for_technique, keeper: Some(keeper), tell };
+    run.outcome()
+}
+
+/// Makes, of all units of a run, those that are the keeper's share, and judges nothing.
+///
+/// - returns whether all of them were made, rather than given up
+pub fn run_share(cases: &[Case], settings: &Settings, keeper: &dyn Keeper, tell: &Tell) -> Result<bool, TrialError> {
+    let run = Run { cases, settings, make: &for_technique, keeper: Some(keeper), tell };
+    let mut all = true;
+    for part in run.each(|index| {
+        let done = run.case(index)?;
+        if done.is_none() {
+            // Heard by the next case.
+            let _ = tell(Progress::Shared(&cases[index].name));
+        }
+        Ok(())
+    }) {
+        match part {
+            Ok(()) => {}
+            Err(TrialError::Stopped) => all = false,
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(all)
 }
 
 /// Measures and judges every case with estimators of any make.
@@ -76,52 +114,79 @@ pub fn run_with(
     make: &Maker,
     progress: &(dyn Fn(Progress) + Sync),
 ) -> Result<RunOutcome, TrialError> {
-    run_all(cases, settings, make, &|told| {
+    let tell = |told: Progress| {
         progress(told);
         ControlFlow::Continue(())
-    })
+    };
+    Run { cases, settings, make, keeper: None, tell: &tell }.outcome()
 }
 
-fn run_all(cases: &[Case], settings: &Settings, make: &Maker, tell: &Tell) -> Result<RunOutcome, TrialError> {
-    let selectors: Vec<&str> = cases.iter().map(|case| case.selector.as_str()).collect();
-    let places: Vec<usize> = (0..cases.len()).collect();
-    let outcomes = threads::side_by_side(&places, |index| {
-        let case = &cases[*index];
+/// All that a run goes by.
+struct Run<'a> {
+    cases: &'a [Case],
+    settings: &'a Settings,
+    make: &'a Maker<'a>,
+    keeper: Option<&'a dyn Keeper>,
+    tell: &'a Tell<'a>,
+}
+
+impl Run<'_> {
+    /// Something of every case, several at a time, in their order.
+    fn each<T: Send + Sync>(&self, of: impl Fn(usize) -> Result<T, TrialError> + Sync) -> Vec<Result<T, TrialError>> {
+        let places: Vec<usize> = (0..self.cases.len()).collect();
+        threads::side_by_side(&places, |index| of(*index))
+    }
+
+    fn outcome(&self) -> Result<RunOutcome, TrialError> {
+        let selectors: Vec<&str> = self.cases.iter().map(|case| case.selector.as_str()).collect();
+        let outcomes = self.each(|index| {
+            let outcome = self.case(index)?.ok_or(TrialError::Stopped)?;
+            // Whoever breaks here is heard by the next case: this one is whole.
+            let _ = (self.tell)(Progress::Done { index, outcome: &outcome });
+            Ok(outcome)
+        });
+        let mut whole = RunOutcome::new(self.settings.seed, self.settings.command(&selectors, None));
+        for (case, outcome) in self.cases.iter().zip(outcomes) {
+            match outcome {
+                Ok(outcome) => whole.cases.push(outcome),
+                Err(TrialError::Stopped) => whole.missing.push(case.name.clone()),
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(whole)
+    }
+
+    /// - `None`: some of it is somebody else's
+    fn case(&self, index: usize) -> Result<Option<CaseOutcome>, TrialError> {
+        let Run { settings, keeper, tell, .. } = self;
+        let case = &self.cases[index];
         if tell(Progress::Begun(&case.name)).is_break() {
             return Err(TrialError::Stopped);
         }
-        let outcome = run_case(case, settings, make, tell)?;
-        // Whoever breaks here is heard by the next case: this one is whole.
-        let _ = tell(Progress::Done { index: *index, outcome: &outcome });
-        Ok(outcome)
-    });
-    let mut whole = RunOutcome::new(settings.seed, settings.command(&selectors, None));
-    for (case, outcome) in cases.iter().zip(outcomes) {
-        match outcome {
-            Ok(outcome) => whole.cases.push(outcome),
-            Err(TrialError::Stopped) => whole.missing.push(case.name.clone()),
-            Err(error) => return Err(error),
-        }
+        let study = settings.study(&case.study);
+        let onlooker = Onlooker::new(&case.name, tell).with(*keeper, index);
+        let measured = if !case.measures_direct_light() {
+            Some(unmeasured(case))
+        } else if onlooker.wants(Stage::Exact) {
+            self.measured(case, &study, &onlooker)?
+        } else {
+            None
+        };
+        let reproduce = settings.command(&[&case.selector], None);
+        let quick = settings.effort == Effort::Quick;
+        let light = light(case, settings.seed, quick, study.smallest_bias, &reproduce, &onlooker)?;
+        let paths = indirect(case, settings.seed, quick, study.smallest_bias, &reproduce, &onlooker)?;
+        let shares = keeper.is_some_and(Keeper::shares);
+        Ok(measured.filter(|_| !shares).map(|measured| CaseOutcome { light, paths, ..measured }))
     }
-    Ok(whole)
-}
 
-fn run_case(case: &Case, settings: &Settings, make: &Maker, tell: &Tell) -> Result<CaseOutcome, TrialError> {
-    let study = settings.study(&case.study);
-    let onlooker = Onlooker::new(&case.name, tell);
-    let mut outcome = if case.measures_direct_light() {
+    fn measured(&self, case: &Case, study: &Study, onlooker: &Onlooker) -> Result<Option<CaseOutcome>, TrialError> {
         // First, while nothing else holds a mesh's hierarchy: two at a time would be the most memory that a run takes.
-        let meshes = compare_hierarchies(case, settings.seed)?;
-        let ready = Ready::new_while(case, &study, make, &|| onlooker.goes_on())?;
-        from_ready(&ready, &study, settings, None, meshes, &onlooker)?
-    } else {
-        unmeasured(case)
-    };
-    let reproduce = settings.command(&[&case.selector], None);
-    let quick = settings.effort == Effort::Quick;
-    outcome.light = light(case, settings.seed, quick, study.smallest_bias, &reproduce, &onlooker)?;
-    outcome.paths = indirect(case, settings.seed, quick, study.smallest_bias, &reproduce, &onlooker)?;
-    Ok(outcome)
+        let makes = self.keeper.is_none_or(Keeper::makes);
+        let meshes = if makes { compare_hierarchies(case, self.settings.seed)? } else { Vec::new() };
+        let Some(ready) = Ready::at(case, study, self.make, onlooker)? else { return Ok(None) };
+        Ok(from_ready(&ready, study, self.settings, None, meshes, onlooker)?)
+    }
 }
 
 /// A case in which no light comes straight from a surface to a point: lamps alone, or nothing to measure.
@@ -146,6 +211,7 @@ pub(super) fn unmeasured(case: &Case) -> CaseOutcome {
 ///
 /// - `estimators`: instead of those that the case was made ready with, one for each technique
 /// - `meshes`: what [`compare_hierarchies`] found
+/// - `None`: some of it is somebody else's
 pub(super) fn from_ready(
     ready: &Ready,
     study: &Study,
@@ -153,9 +219,9 @@ pub(super) fn from_ready(
     estimators: Option<&BTreeMap<Technique, Box<dyn Estimator>>>,
     meshes: Vec<Timing>,
     onlooker: &Onlooker,
-) -> Result<CaseOutcome, Stopped> {
+) -> Result<Option<CaseOutcome>, Stopped> {
     let case = ready.case;
-    let strategies = study
+    let strategies: Vec<Option<StrategyOutcome>> = study
         .strategies
         .iter()
         .map(|strategy| {
@@ -167,65 +233,96 @@ pub(super) fn from_ready(
             run_strategy(&prepared, study, *strategy, reproduce, onlooker)
         })
         .collect::<Result<_, Stopped>>()?;
-    Ok(ready.outcome(strategies, meshes))
-}
-
-/// Shadow rays of a cell.
-pub(super) fn rays_of(prepared: &Prepared, samples: u64, replicates: u64) -> u64 {
-    prepared.estimator.rays_per_estimate(samples) * prepared.exact.len() as u64 * replicates
+    let strategies: Option<Vec<StrategyOutcome>> = strategies.into_iter().collect();
+    Ok(strategies.map(|strategies| ready.outcome(strategies, meshes)))
 }
 
 /// The plans of all cells, and what pilots cost.
 pub(super) struct Plans {
-    pub cells: Vec<CellPlan>,
+    /// `None` in place of a cell that is somebody else's.
+    pub cells: Vec<Option<CellPlan>>,
     pub pilot_rays: u64,
     pub pilot_seconds: f64,
 }
 
 /// Plans every cell, by prediction where there is one and by a pilot elsewhere.
 ///
-/// - `planned`, `traced`: told the rays of pilots; where they err, all is given up
-pub(super) fn plans<E: Send + Sync>(
+/// - `desk`: told the rays of pilots, and has them; where it errs, all is given up
+pub(super) fn plans<D: Desk>(
     prepared: &Prepared,
     study: &Study,
     strategy: Strategy,
-    planned: &dyn Fn(u64) -> Result<(), E>,
-    traced: &(dyn Fn(u64) -> Result<(), E> + Sync),
-) -> Result<Plans, E> {
+    desk: &D,
+) -> Result<Plans, D::End> {
     let mut plans = Plans { cells: Vec::new(), pilot_rays: 0, pilot_seconds: 0.0 };
+    let technique = strategy.technique();
     for (index, samples) in study.samples.iter().enumerate() {
-        let prediction = prepared.predictions.cell(strategy, study, index, &prepared.contrasts.weights);
-        if prediction.is_complete() {
-            plans.cells.push(CellPlan::new(prepared, study, strategy.technique(), *samples, prediction, None));
+        if !desk.wants(Stage::of_cell(Purpose::Measurement, strategy, *samples)) {
+            plans.cells.push(None);
             continue;
         }
-        let replicates = pilot_replicates(*samples);
-        let rays = rays_of(prepared, *samples, replicates);
-        planned(rays)?;
-        let pilot = measure(prepared, Purpose::Pilot, strategy, *samples, replicates, traced)?;
+        let prediction = prepared.predictions.cell(strategy, study, index, &prepared.contrasts.weights);
+        if prediction.is_complete() {
+            plans.cells.push(Some(CellPlan::new(prepared, study, technique, *samples, prediction, None)));
+            continue;
+        }
+        let counts = [*samples, pilot_replicates(*samples)];
+        let rays = rays_of(prepared, counts[0], counts[1]);
+        desk.planned(rays)?;
+        let pilot = measure_unit(prepared, Purpose::Pilot, strategy, counts, desk, |sums| {
+            let seconds = sums.seconds;
+            (CellSums { kept: Vec::new(), ..sums }, seconds)
+        })?;
         plans.pilot_rays += rays;
-        plans.pilot_seconds += pilot.seconds;
-        plans.cells.push(CellPlan::new(prepared, study, strategy.technique(), *samples, prediction, Some(&pilot)));
+        plans.pilot_seconds += pilot.as_ref().map_or(0.0, |(_, seconds)| *seconds);
+        let plan = |(pilot, _)| CellPlan::new(prepared, study, technique, *samples, prediction, Some(&pilot));
+        plans.cells.push(pilot.map(plan));
     }
     Ok(plans)
 }
 
+/// A cell that is measured, with what takes its estimates one by one.
+#[derive(Serialize, Deserialize)]
+struct Finished {
+    sums: CellSums,
+    correlations: Vec<Correlation>,
+}
+
+/// - `None`: some of it is somebody else's
 fn run_strategy(
     prepared: &Prepared,
     study: &Study,
     strategy: Strategy,
     reproduce: String,
     onlooker: &Onlooker,
-) -> Result<StrategyOutcome, Stopped> {
-    let (planned, traced) = (|rays| onlooker.planned(rays), |rays| onlooker.traced(rays));
-    let Plans { cells: plans, pilot_rays, pilot_seconds } = plans(prepared, study, strategy, &planned, &traced)?;
-    for plan in &plans {
+) -> Result<Option<StrategyOutcome>, Stopped> {
+    let Plans { cells: plans, pilot_rays, pilot_seconds } = plans(prepared, study, strategy, onlooker)?;
+    for plan in plans.iter().flatten() {
         onlooker.planned(rays_of(prepared, plan.samples, plan.replicates))?;
     }
-    let cells: Vec<CellSums> = plans
-        .iter()
-        .map(|plan| measure(prepared, Purpose::Measurement, strategy, plan.samples, plan.replicates, &traced))
-        .collect::<Result<_, Stopped>>()?;
+    let finished = |plan: &Option<CellPlan>| {
+        let Some(plan) = plan else { return Ok(None) };
+        let counts = [plan.samples, plan.replicates];
+        let finished = measure_unit(prepared, Purpose::Measurement, strategy, counts, onlooker, |mut sums| {
+            let correlations = correlations(prepared, strategy, &sums, plan);
+            sums.kept = Vec::new();
+            let seconds = sums.seconds;
+            (Finished { sums, correlations }, seconds)
+        })?;
+        Ok(finished.map(|(finished, seconds)| Finished { sums: CellSums { seconds, ..finished.sums }, ..finished }))
+    };
+    let finished: Vec<Option<Finished>> = plans.iter().map(finished).collect::<Result<_, Stopped>>()?;
+    let all = |plans: Vec<Option<CellPlan>>, finished: Vec<Option<Finished>>| {
+        let plans: Vec<CellPlan> = plans.into_iter().collect::<Option<_>>()?;
+        Some((plans, finished.into_iter().collect::<Option<Vec<Finished>>>()?))
+    };
+    let Some((plans, finished)) = all(plans, finished) else { return Ok(None) };
+    let mut found = Vec::new();
+    let mut cells: Vec<CellSums> = Vec::new();
+    for Finished { sums, correlations } in finished {
+        cells.push(sums);
+        found.extend(correlations);
+    }
     let rays = plans.iter().map(|plan| rays_of(prepared, plan.samples, plan.replicates)).sum();
     let pilot = Timing { stage: "pilot", rays: pilot_rays, seconds: pilot_seconds, efficiency: None };
     let mut timings: Vec<Timing> = (pilot_rays > 0)
@@ -250,15 +347,15 @@ fn run_strategy(
         seconds: start.elapsed().as_secs_f64(),
         efficiency: None,
     });
-    Ok(StrategyOutcome {
+    Ok(Some(StrategyOutcome {
         strategy,
         guest: None,
         rates: rates(prepared, strategy, &cells, &plans),
-        correlations: correlations(prepared, strategy, &cells, &plans),
+        correlations: found,
         verdicts,
         cells: cells.iter().zip(&plans).map(|(cell, plan)| shown(cell, plan)).collect(),
         timings,
-    })
+    }))
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@ use crate::sampling::Strategy;
 
 /// How hard to look.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "studies", derive(serde::Serialize, serde::Deserialize))]
 pub enum Effort {
     /// Five times coarser than the case asks, and no more than 64 samples: a look, in seconds.
     Quick,
@@ -19,6 +20,7 @@ pub enum Effort {
 
 /// Settings that override those of every case.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "studies", derive(serde::Serialize, serde::Deserialize))]
 pub struct Overrides {
     pub strategies: Option<Vec<Strategy>>,
     /// Points on each source, per shading point and replicate: the N that are studied, each 1 or more.
@@ -31,6 +33,7 @@ pub struct Overrides {
 
 /// A run's settings.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "studies", derive(serde::Serialize, serde::Deserialize))]
 pub struct Settings {
     /// Base of all random streams: the same seed gives the same numbers, for any number of threads.
     pub seed: u64,

@@ -28,11 +28,14 @@ const SHORT_STUDY: &str = "samples = [16]\nreplicates = 1000\n";
 /// Hours.
 const LONG_STUDY: &str = "samples = [1024]\nreplicates = 1000000000\n";
 
+/// What an unfinished run leaves.
+pub(crate) const CHECKPOINT: &str = "checkpoint.units";
+
 fn write(folder: &Path, name: &str, study: &str) {
     std::fs::write(folder.join(name), format!("title = \"{name}\"\n{DISK}{study}")).expect("a file");
 }
 
-fn etendue(folder: &Path, words: &[&str]) -> Command {
+pub(crate) fn etendue(folder: &Path, words: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_etendue"));
     command.current_dir(folder).args(words).env_remove("COLUMNS").env_remove("CLICOLOR_FORCE");
     command.stdout(Stdio::piped()).stderr(Stdio::piped());
@@ -40,14 +43,14 @@ fn etendue(folder: &Path, words: &[&str]) -> Command {
 }
 
 /// A program that is ended with the test, however that ends.
-struct Running(Option<Child>);
+pub(crate) struct Running(Option<Child>);
 
 impl Running {
-    fn start(folder: &Path, words: &[&str]) -> Running {
+    pub(crate) fn start(folder: &Path, words: &[&str]) -> Running {
         Running(Some(etendue(folder, words).spawn().expect("the program")))
     }
 
-    fn child(&mut self) -> &mut Child {
+    pub(crate) fn child(&mut self) -> &mut Child {
         self.0.as_mut().expect("it runs")
     }
 
@@ -55,12 +58,12 @@ impl Running {
         BufReader::new(self.child().stdout.take().expect("a pipe"))
     }
 
-    fn interrupt(&mut self) {
+    pub(crate) fn interrupt(&mut self) {
         let id = self.child().id().to_string();
         assert!(Command::new("kill").args(["-INT", &id]).status().expect("kill").success());
     }
 
-    fn ended(mut self) -> Output {
+    pub(crate) fn ended(mut self) -> Output {
         let begun = Instant::now();
         while self.child().try_wait().expect("a state").is_none() {
             assert!(begun.elapsed() < LONG, "it does not end");
@@ -79,16 +82,16 @@ impl Drop for Running {
     }
 }
 
-fn text(bytes: &[u8]) -> String {
+pub(crate) fn text(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).expect("words")
 }
 
-fn read(path: PathBuf) -> String {
+pub(crate) fn read(path: PathBuf) -> String {
     std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
 /// Every file in a folder and below.
-fn files(folder: &Path) -> Vec<PathBuf> {
+pub(crate) fn files(folder: &Path) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path());
     entries.flat_map(|path| if path.is_dir() { files(&path) } else { vec![path] }).collect()
 }
@@ -112,9 +115,12 @@ fn an_interrupted_run_keeps_whole_cases_as_if_they_had_been_run_alone() {
     assert_eq!(ended.status.code(), Some(130));
     let said = text(&ended.stderr);
     assert_eq!(said.lines().count(), 1, "{said}");
-    for word in
-        ["interrupted: 1 of 2 cases", "report: cut;", "missing: endless;", "etendue run endless.toml --seed 1"]
-    {
+    for word in [
+        "interrupted: 1 of 2 cases",
+        "report: cut;",
+        "missing: endless;",
+        "what goes on: etendue run short.toml endless.toml --seed 1 --out cut --resume",
+    ] {
         assert!(said.contains(word), "{word}: {said}");
     }
     // As a run of that case alone.
@@ -133,7 +139,10 @@ fn an_interrupted_run_keeps_whole_cases_as_if_they_had_been_run_alone() {
         names.sort();
         names
     };
-    assert_eq!(whole("cut"), whole("alone"), "plots and all, nothing half-written");
+    let (mut cut, alone) = (whole("cut"), whole("alone"));
+    cut.retain(|name| name != CHECKPOINT);
+    assert_eq!(cut, alone, "plots and all, nothing half-written");
+    assert!(folder.path().join("cut").join(CHECKPOINT).is_file());
     let manifest = |report: &str| {
         serde_json::from_str::<Value>(&read(folder.path().join(report).join("manifest.json"))).unwrap()
     };
@@ -151,14 +160,14 @@ fn where_nothing_is_finished_no_report_is_left() {
     std::fs::write(out.join("verdicts.csv"), "of an earlier run").unwrap();
     let mut running = Running::start(folder.path(), &["run", "endless.toml", "--out", "out"]);
     // What an earlier run left is swept away before the work begins.
-    until(|| files(&out).is_empty());
+    until(|| !out.join("verdicts.csv").exists());
     running.interrupt();
     let begun = Instant::now();
     let ended = running.ended();
     assert!(begun.elapsed() < Duration::from_secs(20), "given up between units of work: {:?}", begun.elapsed());
     assert_eq!((ended.status.code(), text(&ended.stdout)), (Some(130), String::new()));
     assert!(text(&ended.stderr).contains("no report was written"), "{}", text(&ended.stderr));
-    assert_eq!(files(&out), Vec::<PathBuf>::new());
+    assert_eq!(files(&out), [out.join(CHECKPOINT)], "what goes on from there");
 }
 
 #[test]
@@ -182,7 +191,10 @@ fn a_second_interruption_ends_at_once() {
     let ended = running.ended();
     assert!(begun.elapsed() < Duration::from_secs(2), "{:?}", begun.elapsed());
     assert_eq!((ended.status.code(), text(&ended.stderr)), (Some(130), String::new()));
-    assert_eq!(files(&folder.path().join("out")), Vec::<PathBuf>::new());
+    let out = folder.path().join("out");
+    let left = files(&out);
+    // Of the lock only a name is left.
+    assert!(left.iter().all(|path| [out.join(CHECKPOINT), out.join(".lock")].contains(path)), "{left:?}");
 }
 
 #[test]
@@ -207,7 +219,7 @@ if [ ! -e asked ]; then touch asked; answer 1000000; else answer 160; touch half
     assert!(!folder.path().join("out/manifest.json").exists());
 }
 
-fn until(mut is_so: impl FnMut() -> bool) {
+pub(crate) fn until(mut is_so: impl FnMut() -> bool) {
     let begun = Instant::now();
     while !is_so() {
         assert!(begun.elapsed() < LONG, "it does not come to that");

@@ -29,6 +29,8 @@ mod machine_output;
 mod meshes;
 #[cfg(all(feature = "cli", unix))]
 mod mitsuba;
+#[cfg(all(feature = "cli", unix))]
+mod nothing_lost;
 mod optics;
 mod page;
 mod papers;

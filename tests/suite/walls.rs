@@ -13,6 +13,7 @@ const ROOMS: &[(&str, u8, Wing)] = &[
     ("report", 10, Wing::Shared),
     ("calibration", 9, Wing::Shared),
     ("guest", 9, Wing::Shared),
+    ("journal", 9, Wing::Shared),
     ("trial", 8, Wing::Shared),
     ("case", 7, Wing::Shared),
     ("eye", 6, Wing::Measurement),
@@ -64,7 +65,7 @@ const RESERVED: &[(&str, &[&str])] = &[
     ("exr", &["external/image/", "report/"]),
     ("obvhs", &["scene/hierarchy.rs", "scene/wide.rs"]),
     ("rand", &["sampling/", "trial/"]),
-    ("rayon", &["trial/", "calibration/", "eye/", "light/", "path/", "threads/", "report/plot/", "cli/"]),
+    ("rayon", &["trial/", "journal/", "calibration/", "eye/", "light/", "path/", "threads/", "report/plot/", "cli/"]),
     ("pulp", &["number/eight.rs", "scene/hierarchy.rs", "scene/wide.rs"]),
     ("plotters", &["report/plot/"]),
     ("ab_glyph", &["report/plot/text.rs"]),
@@ -79,7 +80,9 @@ const RESERVED: &[(&str, &[&str])] = &[
     ("terminal_size", &["cli/progress.rs"]),
     ("statrs", &["statistics/"]),
     // How long a run goes on is shown while it does, and written nowhere.
-    ("Instant", &["trial/", "cli/progress.rs"]),
+    ("Instant", &["trial/", "journal/writer.rs", "cli/progress.rs"]),
+    ("postcard", &["trial/onlooker.rs", "journal/frame.rs"]),
+    ("crc32fast", &["journal/"]),
 ];
 
 /// A source file: its path below `src`, and its text.

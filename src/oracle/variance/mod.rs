@@ -36,6 +36,7 @@ pub const RELATIVE_ERROR: f64 = 1e-3;
 
 /// Spread of an estimate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "studies", derive(serde::Serialize, serde::Deserialize))]
 pub struct Spread {
     /// W²/m⁴.
     pub variance: f64,

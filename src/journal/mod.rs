@@ -1,0 +1,40 @@
+//! What units of work came to, in files: so that nothing is lost that was done, and many can do one run.
+//!
+//! - a [`Checkpoint`] lies in a report's folder while a run goes on;
+//! - a [`ShardFile`] holds one shard of a run;
+//! - [`gather`] puts shards together, in whatever order they come, and names what is missing, damaged or of another run.
+//!
+//! A file says which run it belongs to ([`Identity`]: version, seed, options, cases by their content, and a fingerprint of
+//! the machine's numbers); each unit has a checksum, and so has a finished file.
+
+mod checkpoint;
+mod error;
+mod frame;
+mod gather;
+mod identity;
+mod lock;
+mod shard;
+mod shelf;
+#[cfg(test)]
+mod tests;
+mod writer;
+
+pub use checkpoint::{CHECKPOINT, Checkpoint};
+pub use error::JournalError;
+pub use gather::{Gathered, Indices, Merging, gather};
+pub use identity::{CaseIdentity, Identity};
+pub use lock::FolderLock;
+pub use shard::{Beginning, Finished, ShardFile, shard_name};
+
+/// Reads a file of units as [`gather`] does, to its end; for who feeds it with what is none.
+#[doc(hidden)]
+pub fn try_file(path: &std::path::Path) -> Result<(), JournalError> {
+    shelf::read(path).map(drop)
+}
+
+/// This computer's name, where it can be told.
+fn host() -> String {
+    let kernel = std::fs::read_to_string("/proc/sys/kernel/hostname").ok();
+    let said = kernel.or_else(|| std::env::var("HOSTNAME").ok()).or_else(|| std::env::var("COMPUTERNAME").ok());
+    said.map_or("this machine".to_owned(), |name| name.trim().to_owned())
+}
