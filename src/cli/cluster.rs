@@ -15,7 +15,7 @@ use crate::trial::{Bill, ShardCost, quoted};
 /// What a run in shards can be written for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Engine {
-    /// An array job, and a job that merges
+    // An array job, and a job that merges. (Words for readers would give every option of `plan` a paragraph.)
     Slurm,
 }
 

@@ -58,9 +58,9 @@ Examples:
   etendue run rooms/ --shard 3/100 --out parts   # a part of the work, for another machine to merge
 
 Ctrl-C (or SIGTERM) gives up the cases under way: the report has those that were finished, its
-manifest names the missing ones. A second one ends at once. However a run ends, the same command with
---resume goes on from there. Where --watch waits, Ctrl-C is the usual
-end, with the code of the last verdicts, or 2 if a case file is wrong at the time.
+manifest names the missing ones. A second one ends at once. However a run ends, the same command
+with --resume goes on from there. Where --watch waits, Ctrl-C is the usual end, with the code of the
+last verdicts, or 2 if a case file is wrong at the time.
 
 "
 );
@@ -531,7 +531,7 @@ fn shard(text: &str) -> Result<Shard, String> {
     let way = format!("a share of the work is I/N with I from 0 to N - 1, and N from 1 to {}", Shard::MOST);
     let (index, of) = text.split_once('/').ok_or(&way)?;
     match (index.parse(), of.parse()) {
-        (Ok(index), Ok(of)) if index < of && of <= Shard::MOST => Ok(Shard { index, of }),
+        (Ok(index), Ok(of)) => Some(Shard { index, of }).filter(|shard| shard.is_valid()).ok_or(way),
         _ => Err(way),
     }
 }

@@ -26,10 +26,10 @@ pub use identity::{CaseIdentity, Identity};
 pub use lock::FolderLock;
 pub use shard::{Beginning, Finished, ShardFile, shard_name};
 
-/// Reads a file of units as [`gather`] does, to its end; for who feeds it with what is none.
+/// Reads bytes as [`gather`] reads a file of units, to their end; for who feeds it with what is none.
 #[doc(hidden)]
-pub fn try_file(path: &std::path::Path) -> Result<(), JournalError> {
-    shelf::read(path).map(drop)
+pub fn try_bytes(bytes: &[u8]) -> Result<(), JournalError> {
+    shelf::read_from(bytes, bytes.len() as u64, std::path::Path::new("these bytes")).map(drop)
 }
 
 /// This computer's name, where it can be told.

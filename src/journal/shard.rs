@@ -30,7 +30,7 @@ pub fn shard_name(shard: Shard) -> String {
 pub(super) fn shard_of(name: &str) -> Option<Shard> {
     let (index, of) = name.strip_prefix("shard-")?.strip_suffix(ENDING)?.split_once("-of-")?;
     let shard = Shard { index: index.parse().ok()?, of: of.parse().ok()? };
-    (shard.index < shard.of && shard_name(shard) == name).then_some(shard)
+    (shard.is_valid() && shard_name(shard) == name).then_some(shard)
 }
 
 /// A shard that is worked on.

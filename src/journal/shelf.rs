@@ -52,17 +52,28 @@ pub(super) enum State {
 /// Reads a file from end to end and checks every byte of it. What is before a damaged place can be used.
 pub(super) fn read(path: &Path) -> Result<Reading, JournalError> {
     let fault = |source| JournalError::Read { path: path.to_owned(), source };
-    let damaged = |what: &str| JournalError::Damaged { path: path.to_owned(), what: what.to_owned() };
     let file = File::open(path).map_err(fault)?;
     let length = file.metadata().map_err(fault)?.len();
-    let frames = Frames::begin(BufReader::with_capacity(1 << 16, file), length).map_err(fault)?;
+    read_from(BufReader::with_capacity(1 << 16, file), length, path)
+}
+
+/// The same from anywhere.
+///
+/// - `path`: what it is called in errors
+pub(super) fn read_from(from: impl Read, length: u64, path: &Path) -> Result<Reading, JournalError> {
+    let fault = |source| JournalError::Read { path: path.to_owned(), source };
+    let damaged = |what: &str| JournalError::Damaged { path: path.to_owned(), what: what.to_owned() };
+    let frames = Frames::begin(from, length).map_err(fault)?;
     let mut frames = frames.ok_or_else(|| damaged("it does not begin as a file of units does"))?;
     let mut body = Vec::new();
     let head = frames.next(&mut body).map_err(fault)?;
     if head != Ok(Some(Kind::Head)) || body.len() > LONGEST_HEAD {
         return Err(damaged("its head cannot be read"));
     }
-    let identity = serde_json::from_slice(&body).map_err(|_| damaged("its head cannot be read"))?;
+    let identity: Identity = serde_json::from_slice(&body).map_err(|_| damaged("its head cannot be read"))?;
+    if identity.shard.is_some_and(|shard| !shard.is_valid()) {
+        return Err(damaged("its head names a shard that cannot be"));
+    }
     let mut units = Vec::new();
     let state = loop {
         let at = frames.at;

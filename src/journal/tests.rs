@@ -256,6 +256,24 @@ fn every_bit_that_is_flipped_and_every_byte_that_is_missing_is_told() {
 }
 
 #[test]
+fn a_head_that_names_what_cannot_be_is_refused_before_memory_is_taken() {
+    for shard in [Shard { index: 3, of: 3 }, Shard { index: 0, of: 0 }, Shard { index: 7, of: u32::MAX }] {
+        let head = serde_json::to_vec(&identity(1, Some(shard))).unwrap();
+        let mut bytes = frame::MARK.to_vec();
+        bytes.extend(frame::frame(frame::Kind::Head, &[&head]));
+        let told = try_bytes(&bytes).unwrap_err().to_string();
+        assert!(told.contains("a shard that cannot be"), "{told}");
+    }
+    // A length of everything, and nothing behind it.
+    let mut bytes = frame::MARK.to_vec();
+    bytes.extend(frame::frame(frame::Kind::Head, &[&serde_json::to_vec(&identity(1, None)).unwrap()]));
+    let mut unit = frame::frame(frame::Kind::Unit, &[b"x"]);
+    unit[1..9].copy_from_slice(&u64::MAX.to_le_bytes());
+    bytes.extend(unit);
+    assert!(try_bytes(&bytes).is_ok(), "what is before it can be used");
+}
+
+#[test]
 fn shards_of_another_run_are_told_and_one_that_contradicts_is_not_believed() {
     let dir = tempfile::tempdir().unwrap();
     shards(dir.path(), 3);

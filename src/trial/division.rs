@@ -37,6 +37,11 @@ pub struct Shard {
 impl Shard {
     /// Most shards.
     pub const MOST: u32 = 100_000;
+
+    /// Whether there is such a part.
+    pub fn is_valid(self) -> bool {
+        self.index < self.of && self.of <= Shard::MOST
+    }
 }
 
 impl std::fmt::Display for Shard {

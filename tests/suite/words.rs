@@ -38,7 +38,7 @@ fn is_as_kept(name: &str, commands: &[&[&str]]) {
     assert!(kept == said, "{name}.txt differs from line {:?} on (UPDATE_WORDS=1 writes it anew):\n{said}", differ);
 }
 
-const COMMANDS: [&str; 17] = [
+const COMMANDS: [&str; 19] = [
     "run",
     "list",
     "check",
@@ -46,6 +46,8 @@ const COMMANDS: [&str; 17] = [
     "calibrate",
     "plan",
     "growth",
+    "merge",
+    "report",
     "compare",
     "judge",
     "verify",
