@@ -6,7 +6,7 @@ use clap::CommandFactory;
 
 use super::exit;
 use super::explain;
-use super::options::{Calibrate, Check, Exact, Explain, Growth, List, Options, Plan, Report};
+use super::options::{Calibrate, Check, Exact, Explain, Growth, List, Options, Plan, Reaching, Report};
 use super::progress::RunBoard;
 use crate::calibration;
 use crate::case::{self, Case, Ink, SelectError};
@@ -21,8 +21,8 @@ pub(super) const GENERATOR: &str = "8 lanes of xoshiro256++, sample i in lane i 
                          strategy, samples, replicate, point (0 where points are shared) and source";
 
 /// Cases, or the exit code after saying what is wrong with them.
-pub(super) fn select(selectors: &[String]) -> Result<Vec<Case>, u8> {
-    case::select(selectors).map_err(|error| {
+pub(super) fn select(selectors: &[String], reaching: &Reaching) -> Result<Vec<Case>, u8> {
+    case::select_reaching(selectors, reaching.reach()).map_err(|error| {
         let ink = if coloured() { Ink::Coloured } else { Ink::Plain };
         match &error {
             SelectError::Nothing { unmatched } => {
@@ -70,7 +70,7 @@ pub fn plan(options: &Plan) -> u8 {
 }
 
 fn plan_to_end(options: &Plan) -> Result<u8, u8> {
-    let cases = select(&options.work.cases)?;
+    let cases = select(&options.work.cases, &options.work.reaching)?;
     set_threads(options.work.threads)?;
     let forecasts = trial::forecast(&cases, &options.work.settings());
     if options.json {
@@ -145,7 +145,7 @@ pub fn list(options: &List) -> u8 {
 }
 
 fn list_to_end(options: &List) -> Result<(), u8> {
-    let cases = select(&options.cases)?;
+    let cases = select(&options.cases, &options.reaching)?;
     if options.json {
         let cases: Vec<_> = cases
             .iter()
@@ -182,7 +182,7 @@ fn list_to_end(options: &List) -> Result<(), u8> {
 }
 
 pub fn check(options: &Check) -> u8 {
-    match select(&options.cases) {
+    match select(&options.cases, &options.reaching) {
         Ok(cases) => {
             let plural = if cases.len() == 1 { "case is" } else { "cases are" };
             print(&format!("{} {plural} valid\n", cases.len())).map_or_else(|code| code, |()| exit::PASSED)
@@ -196,7 +196,7 @@ pub fn exact(options: &Exact) -> u8 {
 }
 
 fn exact_to_end(options: &Exact) -> Result<(), u8> {
-    let cases = select(&options.cases)?;
+    let cases = select(&options.cases, &options.reaching)?;
     if options.limits {
         return limits(&cases);
     }

@@ -6,7 +6,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use super::progress::Manner;
 use crate::calibration;
-use crate::case::{Replicates, SmallestBias, nearest};
+use crate::case::{Reach, Replicates, SmallestBias, nearest};
 use crate::oracle::Parameter;
 use crate::sampling::Strategy;
 #[cfg(feature = "plots")]
@@ -217,6 +217,20 @@ pub struct Man {
     pub command: Option<String>,
 }
 
+/// How far the paths in case files may reach.
+#[derive(Args, Debug)]
+pub struct Reaching {
+    /// Let cases name meshes and pictures anywhere, not only in the folder that is given (of a single file: its own)
+    #[arg(long)]
+    pub allow_outside: bool,
+}
+
+impl Reaching {
+    pub fn reach(&self) -> Reach {
+        if self.allow_outside { Reach::Anywhere } else { Reach::Inside }
+    }
+}
+
 /// Which cases, and how hard to look: what moves numbers.
 #[derive(Args, Debug)]
 pub struct Work {
@@ -248,6 +262,8 @@ pub struct Work {
     /// Threads (default: one for each core); the numbers do not depend on it
     #[arg(long, value_name = "T", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
+    #[command(flatten)]
+    pub reaching: Reaching,
 }
 
 /// Options of `run`.
@@ -352,6 +368,8 @@ pub struct Render {
     /// Threads (default: one for each core); the numbers do not depend on it
     #[arg(long, value_name = "T", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
+    #[command(flatten)]
+    pub reaching: Reaching,
 }
 
 #[cfg(feature = "plots")]
@@ -413,6 +431,8 @@ pub struct List {
     /// Machine-readable
     #[arg(long)]
     pub json: bool,
+    #[command(flatten)]
+    pub reaching: Reaching,
 }
 
 #[derive(Args, Debug)]
@@ -420,6 +440,8 @@ pub struct Check {
     /// Case files, folders, or names of shipped cases
     #[arg(value_name = "CASE", required = true)]
     pub cases: Vec<String>,
+    #[command(flatten)]
+    pub reaching: Reaching,
 }
 
 #[derive(Args, Debug)]
@@ -434,6 +456,8 @@ pub struct Exact {
     /// source.0.center.x, occluder.1.radius, point.normal.z
     #[arg(long, value_name = "PARAMETER", value_delimiter = ',', conflicts_with = "limits")]
     pub derivative: Vec<Parameter>,
+    #[command(flatten)]
+    pub reaching: Reaching,
 }
 
 /// Options of `calibrate`.

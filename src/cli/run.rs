@@ -21,7 +21,7 @@ pub fn run(options: &Run) -> u8 {
 }
 
 fn run_to_end(options: &Run) -> Result<u8, u8> {
-    let cases = select(&options.work.cases)?;
+    let cases = select(&options.work.cases, &options.work.reaching)?;
     let sets = guests::sets(&options.points)?;
     let interrupt = Interrupt::heard()?;
     report::claim(&options.out).map_err(|error| fault(exit::OUTPUT, error))?;
@@ -29,7 +29,8 @@ fn run_to_end(options: &Run) -> Result<u8, u8> {
     let settings = options.work.settings();
     let lines = matches!(options.telling.format, Format::Jsonl).then(Lines::default);
     let selectors: Vec<&str> = options.work.cases.iter().map(String::as_str).collect();
-    let command = settings.command(&selectors, None) + &guests::words(&options.points);
+    let command =
+        settings.command(&selectors, None) + options.work.reaching.reach().words() + &guests::words(&options.points);
     let mut outcome = RunOutcome::new(settings.seed, String::new());
     if sets.is_empty() || options.work.strategy.is_some() {
         // What comes of points that were brought along belongs to a case's lines, too.
@@ -105,7 +106,9 @@ pub(super) fn told(outcome: &RunOutcome, cases: &[Case], settings: &Settings, op
         format!("missing: {names} and {} more (manifest.json names them all)", missing.len() - NAMED)
     } else {
         let selectors: Vec<&str> = missing.iter().map(|case| case.selector.as_str()).collect();
-        let command = settings.command(&selectors, None) + &guests::words(&options.points);
+        let command = settings.command(&selectors, None)
+            + options.work.reaching.reach().words()
+            + &guests::words(&options.points);
         format!("missing: {names}; what runs them: {command} --out {}", trial::quoted(&rest(options)))
     };
     format!("interrupted: {done} of {all} cases finished; report: {}; {rest}", options.out.display())

@@ -95,7 +95,9 @@ fn run_all(cases: &[Case], settings: &Settings, make: &Maker, tell: &Tell) -> Re
         let _ = tell(Progress::Done { index: *index, outcome: &outcome });
         Ok(outcome)
     });
-    let mut whole = RunOutcome::new(settings.seed, settings.command(&selectors, None));
+    // As far as any of them was let reach.
+    let reach = cases.iter().map(|case| case.reach.words()).max().unwrap_or_default();
+    let mut whole = RunOutcome::new(settings.seed, settings.command(&selectors, None) + reach);
     for (case, outcome) in cases.iter().zip(outcomes) {
         match outcome {
             Ok(outcome) => whole.cases.push(outcome),
@@ -117,7 +119,7 @@ fn run_case(case: &Case, settings: &Settings, make: &Maker, tell: &Tell) -> Resu
     } else {
         unmeasured(case)
     };
-    let reproduce = settings.command(&[&case.selector], None);
+    let reproduce = settings.command(&[&case.selector], None) + case.reach.words();
     let quick = settings.effort == Effort::Quick;
     outcome.light = light(case, settings.seed, quick, study.smallest_bias, &reproduce, &onlooker)?;
     outcome.paths = indirect(case, settings.seed, quick, study.smallest_bias, &reproduce, &onlooker)?;
@@ -163,7 +165,7 @@ pub(super) fn from_ready(
             if let Some(estimators) = estimators {
                 prepared.estimator = &*estimators[&strategy.technique()];
             }
-            let reproduce = settings.command(&[&case.selector], Some(*strategy));
+            let reproduce = settings.command(&[&case.selector], Some(*strategy)) + case.reach.words();
             run_strategy(&prepared, study, *strategy, reproduce, onlooker)
         })
         .collect::<Result<_, Stopped>>()?;
