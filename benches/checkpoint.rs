@@ -5,7 +5,7 @@
 
 use std::ops::ControlFlow;
 
-use etendue::case::{Case, shipped};
+use etendue::case::{Case, Reach, shipped};
 use etendue::journal::{CHECKPOINT, Checkpoint, Identity};
 use etendue::trial::{Effort, Overrides, Progress, Settings, run_kept, run_while};
 
@@ -21,7 +21,7 @@ fn main() {
     let mut bytes = 0;
     let mut with = || {
         let begun = now();
-        let identity = Identity::new(&cases, &settings, &[], None);
+        let identity = Identity::new(&cases, &settings, &[], Reach::Inside, None);
         let checkpoint = Checkpoint::begin(folder.path(), &identity).expect("a checkpoint");
         run_kept(&cases, &settings, &checkpoint, &on).expect("a run");
         bytes = std::fs::metadata(folder.path().join(CHECKPOINT)).map_or(0, |file| file.len());

@@ -119,8 +119,12 @@ pub mod estimator;
 #[cfg(feature = "studies")]
 pub mod external;
 pub mod eye;
+#[cfg(any(fuzzing, all(test, feature = "plots")))]
+#[doc(hidden)]
+pub mod fuzzing;
 pub mod geometry;
 pub mod guest;
+pub mod intake;
 #[cfg(feature = "studies")]
 pub mod journal;
 pub mod light;

@@ -24,6 +24,9 @@ errors! {
         Syntax { said: String },
         #[error("{more} more places are not TOML; the first ones are listed")]
         MoreSyntax { more: usize },
+        /// So many are not kept.
+        #[error("{more} more mistakes in the same file, the last one here")]
+        More { more: usize },
         #[error("the file cannot be read: {said}")]
         Unreadable { said: String },
         #[error("the file is larger than {} MiB, the most that is accepted: it would not fit into memory with all that it describes", limit >> 20)]
@@ -54,7 +57,7 @@ errors! {
         Empty { key: String },
         #[error("`{key}` lists {said} twice")]
         Twice { key: String, said: String },
-        #[error("{said} {what}; at most {limit} are accepted: more would not fit into memory")]
+        #[error("{said} {what}; at most {limit} are accepted: more would take too much memory or time")]
         TooMany { what: &'static str, said: u128, limit: u64 },
         #[error("[{table}]: {error}")]
         Shape { table: &'static str, error: ShapeError },
@@ -102,10 +105,16 @@ errors! {
         Absolute,
         #[error("leaves the folder of the cases; a path inside it is accepted")]
         Outside,
+        #[error("is a link, or lies behind one, that leads out of the folder of the cases; a file inside it is accepted")]
+        LinkedOutside,
         #[error("cannot be read: {said}")]
         Unreadable { said: String },
         #[error("is larger than {} MiB, the most that is accepted: it would not fit into memory", limit >> 20)]
         TooLarge { limit: u64 },
+        #[error("is too large beside the other files of this case; {} MiB are accepted of all of them", limit >> 20)]
+        TooLargeTogether { limit: u64 },
+        #[error("is no regular file")]
+        NoFile,
     }
 }
 
@@ -133,6 +142,14 @@ impl CaseError {
         match self {
             CaseError::UnknownKey { accepted, .. } if accepted.is_empty() => {}
             CaseError::UnknownKey { accepted, .. } => help.push(format!("accepted keys: {}", accepted.join(", "))),
+            CaseError::MeshFile {
+                fault: MeshFileFault::Absolute | MeshFileFault::Outside | MeshFileFault::LinkedOutside,
+                ..
+            } => help.push(
+                "the folder of the cases is the one that was given, or of a single file its own; --allow-outside \
+                 (`Reach::Anywhere` in code) lets a case name any file"
+                    .into(),
+            ),
             CaseError::NoReceiverShape { .. } => help.push("add [receiver.rectangle], for example".into()),
             _ => {}
         }
@@ -143,7 +160,7 @@ impl CaseError {
     pub(super) fn label(&self) -> &'static str {
         match self {
             CaseError::Syntax { .. } | CaseError::MoreSyntax { .. } | CaseError::NotText => "not TOML",
-            CaseError::Unreadable { .. } | CaseError::TooLarge { .. } => "",
+            CaseError::Unreadable { .. } | CaseError::TooLarge { .. } | CaseError::More { .. } => "",
             CaseError::UnknownKey { .. } => "unknown key",
             CaseError::NotYet { .. } => "not supported yet",
             CaseError::MissingKey { .. } => "in this table",
@@ -250,6 +267,11 @@ impl CaseErrors {
     /// In the order of the file's text.
     pub fn mistakes(&self) -> &[Mistake] {
         &self.mistakes
+    }
+    /// How many there are beyond the first so many.
+    pub(super) fn beyond(&self, shown: usize) -> usize {
+        let count = |mistake: &Mistake| if let CaseError::More { more } = mistake.error { more } else { 1 };
+        self.mistakes.iter().skip(shown).map(count).sum()
     }
     /// The text that a mistake underlines.
     pub fn underlined(&self, mistake: &Mistake) -> &str {

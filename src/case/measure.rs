@@ -3,11 +3,12 @@
 use std::ops::Range;
 
 use super::error::CaseError;
-use super::schema::{self, Key, MAX_POINTS, Value};
+use super::schema::{self, Key, Value};
 use super::shapes::{self, Files};
 use super::texture;
 use super::walk::{Log, Node};
 use crate::configuration::{Arrangement, ConfigurationError, MeasurementPoint, Receiver, ReceiverShape};
+use crate::intake::POINTS;
 use crate::radiometry::Albedo;
 
 /// The receiver, unless something is wrong with it.
@@ -139,9 +140,9 @@ pub(super) fn measure(node: &Node, ground: &Ground, log: &mut Log) -> Measured {
     }));
     let mut measured = Measured { any, ..Measured::nothing() };
     let said: u128 = requests.iter().map(|(request, _)| request.n_points()).sum();
-    if said > u128::from(MAX_POINTS) {
+    if said > u128::from(POINTS) {
         let (_, span) = requests.iter().max_by_key(|(request, _)| request.n_points()).expect("more than none");
-        log.add(span.clone(), CaseError::TooMany { what: "measurement points", said, limit: MAX_POINTS });
+        log.add(span.clone(), CaseError::TooMany { what: "measurement points", said, limit: POINTS });
         return measured;
     }
     if let [(request, _)] = &requests[..] {
@@ -171,7 +172,7 @@ fn line(node: &Node, ground: &Ground, log: &mut Log) -> Option<Request> {
     let line = node.table(&schema::LINE, &schema::MEASURE_LINE, log)?;
     let from = line.vector(&schema::FROM, log);
     let to = line.vector(&schema::TO, log);
-    let points = line.count(&schema::POINTS, 2, MAX_POINTS, log);
+    let points = line.count(&schema::POINTS, 2, POINTS, log);
     if from.is_some() && from == to {
         log.add(line.span.clone(), CaseError::LineWithoutLength);
         return None;
@@ -209,7 +210,7 @@ fn grid(node: &Node, ground: &Ground, log: &mut Log) -> Option<Request> {
         log.add(value.span(), CaseError::NoReceiver { key: schema::GRID.name });
     }
     let items = node.items(&schema::GRID, value, log)?;
-    let counts: Vec<_> = items.iter().map(|item| node.count_of(&schema::GRID, item, 1, MAX_POINTS, log)).collect();
+    let counts: Vec<_> = items.iter().map(|item| node.count_of(&schema::GRID, item, 1, POINTS, log)).collect();
     match counts[..] {
         [nu, nv] => Some(Request::Grid { nu: usize::try_from(nu?).ok()?, nv: usize::try_from(nv?).ok()? }),
         _ => {

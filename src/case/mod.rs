@@ -57,17 +57,24 @@ use crate::eye::Camera;
 use crate::light::LightSettings;
 
 pub use error::{CaseError, CaseErrors, MeshFileFault, Mistake};
+pub use folder::Reach;
 #[cfg(feature = "cli")]
 pub use json_schema::json_schema;
 #[cfg(feature = "cli")]
 pub(crate) use named::files_named;
 pub use place::Place;
 pub use render::Ink;
-pub use select::{SelectError, Unmatched, select};
+pub use select::{SelectError, Unmatched, select, select_reaching};
 pub use shipped::{Shipped, shipped, shipped_caustics, shipped_direct, shipped_interreflections};
 #[cfg(feature = "cli")]
 pub(crate) use spelling::nearest;
 pub use study::{Accepted, PROPERTIES, Replicates, SmallestBias, Study};
+
+/// Whether a picture can be read, as light by an sRGB curve; if not, why.
+#[cfg(any(fuzzing, test))]
+pub(crate) fn check_picture(bytes: &[u8]) -> Result<(), String> {
+    picture::read(bytes, crate::texture::Encoding::Srgb).map(drop)
+}
 
 /// A commented case file to start from.
 #[cfg(feature = "cli")]
@@ -80,6 +87,8 @@ pub struct Case {
     pub name: String,
     /// What selects the case on a command line: the file's path as it was given, or the name of a shipped case.
     pub selector: String,
+    /// How far the paths in its file were let reach, which a command that repeats its reading says again.
+    pub reach: Reach,
     /// What people read.
     pub title: String,
     pub configuration: Configuration,
@@ -97,6 +106,7 @@ impl Case {
         Case {
             name: name.to_owned(),
             selector: name.to_owned(),
+            reach: Reach::Inside,
             title: title.to_owned(),
             configuration,
             study,
@@ -117,19 +127,37 @@ impl Case {
         read::read(&file, text.as_bytes())
     }
 
+    /// A case whose file, and all that it names, lies in memory.
+    #[cfg(any(fuzzing, test))]
+    pub(crate) fn from_memory(
+        bytes: &[u8],
+        files: &'static [(&'static str, &'static [u8])],
+    ) -> Result<Case, CaseErrors> {
+        let folder = folder::Folder::Shipped(files);
+        let file =
+            read::CaseFile { path: "memory", selector: "memory", name: "memory", folder: &folder, below: "x.toml" };
+        read::read(&file, bytes)
+    }
+
     /// The shipped case of that name (`etendue list` has them); not a file, not a part of a name.
     pub fn shipped(name: &str) -> Result<Case, SelectError> {
         select::shipped_case(name)
     }
 
-    /// A case file on disk, named by its stem. Meshes that it names lie in its folder or below.
+    /// A case file on disk, named by its stem. Meshes and pictures that it names lie in its folder or below.
     pub fn read(path: &Path) -> Result<Case, CaseErrors> {
-        select::OnDisk::single(path).read()
+        Case::read_reaching(path, Reach::Inside)
     }
 
-    /// All `*.toml` in a folder and below it, sorted by name. If any file is faulty, all faulty files are told.
+    /// The same of a case whose paths may reach so far.
+    pub fn read_reaching(path: &Path, reach: Reach) -> Result<Case, CaseErrors> {
+        select::OnDisk::single(path).read(reach)
+    }
+
+    /// All `*.toml` in a folder and below it, sorted by name. If any file is faulty, all faulty files are told. Meshes and
+    /// pictures that they name lie anywhere in that folder.
     pub fn read_folder(path: &Path) -> Result<Vec<Case>, Vec<CaseErrors>> {
         let files = select::OnDisk::folder(path).map_err(|error| vec![error])?;
-        select::all_or_mistakes(files.iter().map(select::OnDisk::read))
+        select::all_or_mistakes(files.iter().map(|file| file.read(Reach::Inside)))
     }
 }

@@ -4,12 +4,14 @@ use std::path::{Path, PathBuf};
 
 use toml::de::{DeTable, DeValue};
 
-use super::folder::read_file;
+use super::folder::{Reach, inside, read_file};
 use super::schema;
+use crate::intake::CASE_BYTES;
 
-/// The meshes and pictures that a case file on disk names, whether they are there or not. None where it cannot be read.
-pub(crate) fn files_named(path: &Path) -> Vec<PathBuf> {
-    let bytes = read_file(path, schema::MAX_CASE_BYTES).unwrap_or_default();
+/// The meshes and pictures that a case file on disk names, whether they are there or not. None where it cannot be read, and none
+/// that it may not name.
+pub(crate) fn files_named(path: &Path, reach: Reach) -> Vec<PathBuf> {
+    let bytes = read_file(path, CASE_BYTES).unwrap_or_default();
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut found = Vec::new();
     let text = String::from_utf8_lossy(&bytes);
@@ -18,6 +20,7 @@ pub(crate) fn files_named(path: &Path) -> Vec<PathBuf> {
     for value in document.get_ref().iter() {
         names(value.0.get_ref(), value.1.get_ref(), &mut found);
     }
+    found.retain(|said| reach == Reach::Anywhere || inside("", said).is_ok());
     found.into_iter().map(|said| folder.join(said)).collect()
 }
 
@@ -43,9 +46,12 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("room.toml");
         let text = "title = \"file\"\n[[occluder.mesh]]\nfile = \"meshes/a.obj\"\n[[source.rectangle]]\nradius = ]\n\
-                    exitance = { image = \"cross.png\", white = 2.0 }\n";
+                    exitance = { image = \"cross.png\", white = 2.0 }\n[[occluder.mesh]]\nfile = \"../b.obj\"\n";
         std::fs::write(&path, text).unwrap();
-        assert_eq!(files_named(&path), ["meshes/a.obj", "cross.png"].map(|name| folder.path().join(name)));
-        assert!(files_named(&folder.path().join("none.toml")).is_empty());
+        let inside = ["meshes/a.obj", "cross.png"].map(|name| folder.path().join(name));
+        assert_eq!(files_named(&path, Reach::Inside), inside);
+        let all = files_named(&path, Reach::Anywhere);
+        assert!(all.len() == 3 && all.contains(&folder.path().join("../b.obj")), "{all:?}");
+        assert!(files_named(&folder.path().join("none.toml"), Reach::Inside).is_empty());
     }
 }

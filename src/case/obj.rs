@@ -8,9 +8,10 @@
 
 use glam::DVec3;
 
-use super::schema::{MAX_MAGNITUDE, MAX_TRIANGLES};
+use super::schema::MAX_MAGNITUDE;
 use crate::errors::errors;
 use crate::geometry::{Mesh, ShapeError};
+use crate::intake::{OBJ_STATEMENT, TRIANGLES};
 
 /// How far a corner may lie off its face's plane, or turn the wrong way, in units of the face's size.
 const FLAT: f64 = 1e-6;
@@ -36,7 +37,9 @@ errors! {
         NoSuchVertex { line: usize, said: i64, vertices: usize },
         #[error("line {line}: a face of {corners} corners that is not flat and convex; cut it into triangles")]
         NotFlatAndConvex { line: usize, corners: usize },
-        #[error("line {line}: more than {MAX_TRIANGLES} triangles; more would not fit into memory")]
+        #[error("line {line}: it goes on for more than {OBJ_STATEMENT} bytes; a line, with those that continue it, is as long at most")]
+        LongStatement { line: usize },
+        #[error("line {line}: more than {TRIANGLES} triangles; more would not fit into memory")]
         TooManyTriangles { line: usize },
         #[error("it has no face")]
         NoFace,
@@ -49,7 +52,8 @@ errors! {
 pub fn read(bytes: &[u8]) -> Result<Mesh, ObjError> {
     let mut vertices: Vec<DVec3> = Vec::new();
     let mut triangles: Vec<[u32; 3]> = Vec::new();
-    for (line, statement) in statements(bytes) {
+    for statement in statements(bytes) {
+        let (line, statement) = statement?;
         let mut words = statement.split_ascii_whitespace();
         match words.next() {
             None => {}
@@ -66,11 +70,17 @@ pub fn read(bytes: &[u8]) -> Result<Mesh, ObjError> {
 }
 
 /// Statements without comments, continued lines joined, each with the number of its first line.
-fn statements(bytes: &[u8]) -> impl Iterator<Item = (usize, String)> {
+fn statements(bytes: &[u8]) -> impl Iterator<Item = Result<(usize, String), ObjError>> {
     let mut lines = bytes.split(|b| *b == b'\n').enumerate();
     std::iter::from_fn(move || {
         let mut joined: Option<(usize, String)> = None;
+        let mut length = 0;
         for (index, bytes) in lines.by_ref() {
+            length += bytes.len() as u64;
+            if length > OBJ_STATEMENT {
+                let line = joined.map_or(index + 1, |(line, _)| line);
+                return Some(Err(ObjError::LongStatement { line }));
+            }
             let text = String::from_utf8_lossy(bytes);
             let text = text.split('#').next().unwrap_or_default().trim_end();
             let (_, so_far) = joined.get_or_insert((index + 1, String::new()));
@@ -82,7 +92,7 @@ fn statements(bytes: &[u8]) -> impl Iterator<Item = (usize, String)> {
                 }
             }
         }
-        joined
+        joined.map(Ok)
     })
 }
 
@@ -105,6 +115,9 @@ fn face<'w>(
     triangles: &mut Vec<[u32; 3]>,
 ) -> Result<(), ObjError> {
     let corners = words.map(|word| corner(line, word, vertices.len())).collect::<Result<Vec<u32>, _>>()?;
+    if (triangles.len() + corners.len()) as u64 > TRIANGLES + 2 {
+        return Err(ObjError::TooManyTriangles { line });
+    }
     if corners.len() < 3 {
         return Err(ObjError::FaceCorners { line, said: corners.len() });
     }
@@ -112,16 +125,13 @@ fn face<'w>(
         return Err(ObjError::NotFlatAndConvex { line, corners: corners.len() });
     }
     triangles.extend(corners[1..].windows(2).map(|pair| [corners[0], pair[0], pair[1]]));
-    if triangles.len() as u64 > MAX_TRIANGLES {
-        return Err(ObjError::TooManyTriangles { line });
-    }
     Ok(())
 }
 
 /// Index from 0 of the vertex that a corner names.
 fn corner(line: usize, word: &str, vertices: usize) -> Result<u32, ObjError> {
     let broken = || ObjError::Corner { line, said: shortened(word) };
-    let indices: Vec<&str> = word.split('/').collect();
+    let indices: Vec<&str> = word.splitn(4, '/').collect();
     // After the vertex: nothing, a texture index (which may be empty before a normal), a normal index.
     let others_are_indices = match indices[1..] {
         [] => true,

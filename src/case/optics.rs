@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::error::CaseError;
 use super::schema::{self, Key, Table, Value};
-use super::shapes::{disk, examine, polygon, rectangle, sphere, triangle};
+use super::shapes::{Files, disk, examine, polygon, rectangle, sphere, triangle};
 use super::walk::{Log, Node};
 use crate::configuration::{
     ConfigurationError, DiffuseSurface, Glass, GlassShape, Lamp, Mirror, MirrorShape, ReceiverShape,
@@ -110,9 +110,9 @@ fn unit_ball() -> Sphere {
     Sphere::new(DVec3::ZERO, 1.0).expect("a unit ball")
 }
 
-pub(super) fn mirrors(role: &Node, log: &mut Log) -> Placed<Mirror> {
+pub(super) fn mirrors(role: &Node, files: &mut Files, log: &mut Log) -> Placed<Mirror> {
     each(role, log, |node, key, log| {
-        let shape = mirror_shape(node, key, log);
+        let shape = mirror_shape(node, key, files, log);
         let shape = shape.and_then(|shape| {
             let area = shape.area();
             ordinary(node, shape, area, log)
@@ -124,10 +124,10 @@ pub(super) fn mirrors(role: &Node, log: &mut Log) -> Placed<Mirror> {
     })
 }
 
-fn mirror_shape(node: &Node, key: &Key, log: &mut Log) -> Option<MirrorShape> {
+fn mirror_shape(node: &Node, key: &Key, files: &mut Files, log: &mut Log) -> Option<MirrorShape> {
     match key.name {
         schema::RECTANGLE => rectangle(node, log).map(MirrorShape::Rectangle),
-        schema::POLYGON => polygon(node, log).map(MirrorShape::Polygon),
+        schema::POLYGON => polygon(node, files, log).map(MirrorShape::Polygon),
         schema::DISK => disk(node, log).map(MirrorShape::Disk),
         schema::SPHERE => sphere_or_cap(node, log),
         "cylinder" => cylinder(node, log).map(MirrorShape::Cylinder),

@@ -1,9 +1,8 @@
 //! Grey values from a PNG picture.
 
 use crate::geometry::TexelGrid;
+use crate::intake::TEXELS;
 use crate::texture::Encoding;
-
-use super::schema::MAX_TEXELS;
 
 /// A picture as light from 0 to 1, `[row][column]` from the lowest row upwards.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,8 +26,8 @@ pub(super) fn read(bytes: &[u8], encoding: Encoding) -> Result<Picture, String> 
     if width == 0 || height == 0 {
         return Err(format!("it is {width} × {height} pixels large"));
     }
-    if u64::from(width) * u64::from(height) > MAX_TEXELS {
-        return Err(format!("{width} × {height} pixels; at most {MAX_TEXELS} are accepted"));
+    if u64::from(width) * u64::from(height) > TEXELS {
+        return Err(format!("{width} × {height} pixels; at most {TEXELS} are accepted"));
     }
     let grid = TexelGrid::new(width as usize, height as usize).map_err(|error| error.to_string())?;
     let mut content = vec![0; reader.output_buffer_size()];

@@ -43,12 +43,29 @@ pub(super) struct Places<'t> {
     path: Arc<str>,
     text: &'t str,
     line_starts: Vec<usize>,
+    /// Characters before every so many bytes: a line may be as long as the file, and have thousands of mistakes.
+    counted: Vec<usize>,
 }
+
+/// Bytes from one count of characters to the next.
+const STRIDE: usize = 1 << 10;
 
 impl<'t> Places<'t> {
     pub(super) fn new(path: &str, text: &'t str) -> Places<'t> {
         let line_starts = std::iter::once(0).chain(text.match_indices('\n').map(|(at, _)| at + 1)).collect();
-        Places { path: path.into(), text, line_starts }
+        let mut so_far = 0;
+        let counted = text.as_bytes().chunks(STRIDE).enumerate().map(|(k, chunk)| {
+            let before = so_far;
+            so_far += columns(text.as_bytes(), k * STRIDE..k * STRIDE + chunk.len());
+            before
+        });
+        Places { path: path.into(), text, line_starts, counted: counted.collect() }
+    }
+
+    /// Characters before a byte of the text.
+    fn columns_before(&self, byte: usize) -> usize {
+        let k = (byte / STRIDE).min(self.counted.len().saturating_sub(1));
+        self.counted.get(k).map_or(0, |before| before + columns(self.text.as_bytes(), k * STRIDE..byte))
     }
 
     /// The line of a byte, counted from 0.
@@ -60,9 +77,15 @@ impl<'t> Places<'t> {
         let start = floor_boundary(self.text, span.start);
         let end = floor_boundary(self.text, span.end).max(start);
         let line = self.line_of(start);
-        let column = self.text[self.line_starts[line]..start].chars().filter(|c| *c != '\u{feff}').count() + 1;
+        let column = self.columns_before(start) - self.columns_before(self.line_starts[line]) + 1;
         Place { path: self.path.clone(), span: start..end, line: line + 1, column }
     }
+}
+
+/// Characters that begin in a stretch of UTF-8 text, but for byte order marks.
+fn columns(text: &[u8], stretch: Range<usize>) -> usize {
+    let begins = |at: usize| text[at] & 0xc0 != 0x80 && !text[at..].starts_with("\u{feff}".as_bytes());
+    stretch.filter(|at| begins(*at)).count()
 }
 
 /// The nearest character boundary at or before a byte, within the text.
@@ -88,5 +111,18 @@ mod tests {
         assert_eq!(at(99..120), (3, 2), "beyond the end is the end");
         assert_eq!(places.place(7..8).span(), 6..8, "never inside a character");
         assert_eq!(places.place(0..1).to_string(), "a.toml:1:1");
+    }
+
+    #[test]
+    fn columns_of_long_lines_are_those_that_one_counts() {
+        let text = format!("\u{feff}{}\n{}", "aµ€".repeat(STRIDE), "é".repeat(3 * STRIDE));
+        let places = Places::new("a.toml", &text);
+        for at in (0..=text.len()).step_by(97).chain([STRIDE, 2 * STRIDE, text.len()]) {
+            let place = places.place(at..at);
+            let before = &text[..place.span().start];
+            let line = before.rfind('\n').map_or(0, |at| at + 1);
+            let column = before[line..].chars().filter(|c| *c != '\u{feff}').count() + 1;
+            assert_eq!((place.line(), place.column()), (before.matches('\n').count() + 1, column), "byte {at}");
+        }
     }
 }

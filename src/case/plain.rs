@@ -2,6 +2,9 @@
 
 use super::error::{CaseErrors, Mistake};
 
+/// Lines that take more bytes are not drawn: one may be as long as the file, and have many mistakes.
+const LONGEST: usize = 10_000;
+
 /// More mistakes than this are counted, not shown.
 const MOST_SHOWN: usize = 200;
 
@@ -18,7 +21,7 @@ impl CaseErrors {
     /// The mistakes of the file, one below the other: the first 200, and how many more there are.
     pub fn render(&self, _: Ink) -> String {
         let mut rendered: Vec<String> = self.mistakes.iter().take(MOST_SHOWN).map(|m| self.told(m)).collect();
-        if let Some(more @ 1..) = self.mistakes.len().checked_sub(MOST_SHOWN) {
+        if let more @ 1.. = self.beyond(MOST_SHOWN) {
             rendered.push(format!("error: {more} more mistakes in the same file\n --> {}", self.path));
         }
         rendered.join("\n\n")
@@ -29,7 +32,7 @@ impl CaseErrors {
         let span = mistake.span();
         let start = self.text[..span.start].rfind('\n').map_or(0, |at| at + 1);
         let line = self.text[start..].lines().next().unwrap_or_default();
-        if !line.is_empty() {
+        if !line.is_empty() && line.len() <= LONGEST {
             let within = |at: usize| self.text[start..at.min(start + line.len())].chars().count();
             let (from, to) = (within(span.start), within(span.end));
             let marks = "^".repeat((to - from).max(1));

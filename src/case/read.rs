@@ -9,7 +9,7 @@ use toml::de::{DeTable, DeValue};
 use super::Case;
 use super::camera;
 use super::error::{CaseError, CaseErrors};
-use super::folder::Folder;
+use super::folder::{Folder, Reach};
 use super::measure::{self, Ground, Measured};
 use super::optics;
 use super::schema;
@@ -19,6 +19,7 @@ use super::walk::{Log, Node};
 use super::{Study, settings};
 use crate::configuration::{Configuration, ConfigurationError, Contents, Source};
 use crate::geometry::{Shape, Sphere};
+use crate::intake::{CASE_BYTES, OPTICS, POINTS_AND_FACES, POINTS_AND_SURFACES, POINTS_BEHIND_OPTICS, SURFACES};
 use crate::light::LightSettings;
 use crate::radiometry::Exitance;
 
@@ -41,8 +42,8 @@ pub(super) struct CaseFile<'f> {
 
 /// The case, or everything that is wrong with it.
 pub(super) fn read(file: &CaseFile, bytes: &[u8]) -> Result<Case, CaseErrors> {
-    if bytes.len() as u64 > schema::MAX_CASE_BYTES {
-        return Err(whole_file(file.path, CaseError::TooLarge { limit: schema::MAX_CASE_BYTES }));
+    if bytes.len() as u64 > CASE_BYTES {
+        return Err(whole_file(file.path, CaseError::TooLarge { limit: CASE_BYTES }));
     }
     let text = String::from_utf8_lossy(bytes);
     let mut log = Log::new(file.path, &text);
@@ -78,7 +79,10 @@ fn case(file: &CaseFile, text: &str, log: &mut Log) -> Option<Case> {
     let root = Node::new(document.get_ref(), &schema::ROOT, top.clone(), log);
     let title = if root.has(&schema::TITLE) { root.text(&schema::TITLE, log) } else { Some(file.name) };
 
-    let mut files = Files { folder: file.folder, case: file.below, triangles: 0 };
+    if is_too_full(&root, log) {
+        return None;
+    }
+    let mut files = Files::new(file.folder, file.below);
     // A missing [source] is told once, as the case without a source that it is.
     let before = log.len();
     let source_role = optional(&root, &schema::SOURCE, &schema::SOURCES, log);
@@ -97,7 +101,7 @@ fn case(file: &CaseFile, text: &str, log: &mut Log) -> Option<Case> {
         occluders.into_iter().filter_map(|(node, shape)| Some((node.span, shape?))).unzip();
 
     let mirror_role = optional(&root, &schema::MIRROR, &schema::MIRRORS, log);
-    let mirrors = mirror_role.map(|role| optics::mirrors(&role, log)).unwrap_or_default();
+    let mirrors = mirror_role.map(|role| optics::mirrors(&role, &mut files, log)).unwrap_or_default();
     let glass_role = optional(&root, &schema::GLASS, &schema::GLASSES, log);
     let glass = glass_role.map(|role| optics::glass(&role, log)).unwrap_or_default();
     let diffuse_role = optional(&root, &schema::DIFFUSE, &schema::DIFFUSES, log);
@@ -146,7 +150,56 @@ fn case(file: &CaseFile, text: &str, log: &mut Log) -> Option<Case> {
         camera::place(node, camera, &configuration, log);
     }
     let selector = file.selector.into();
-    Some(Case { name: file.name.into(), selector, title: title?.into(), configuration, study, light, camera })
+    let (name, title, reach) = (file.name.into(), title?.into(), Reach::Inside);
+    Some(Case { name, selector, reach, title, configuration, study, light, camera })
+}
+
+/// Whether there are more shapes than are looked at, which is noted before any of them is read.
+fn is_too_full(root: &Node, log: &mut Log) -> bool {
+    let optics = [&schema::MIRROR, &schema::GLASS, &schema::DIFFUSE];
+    let all = [&schema::SOURCE, &schema::OCCLUDER].into_iter().chain(optics);
+    let before = log.len();
+    for (what, keys, limit) in [
+        ("shapes and lamps", all.collect::<Vec<_>>(), SURFACES),
+        ("mirrors, pieces of glass and diffuse surfaces", optics.to_vec(), OPTICS),
+    ] {
+        let said: u64 = keys.iter().map(|key| root.n_tables(key)).sum();
+        if said > limit {
+            let most = keys.into_iter().max_by_key(|key| root.n_tables(key)).expect("there are roles");
+            log.add(root.span_of(most.name), CaseError::TooMany { what, said: said.into(), limit });
+        }
+    }
+    log.len() > before
+}
+
+/// Whether it would take too long to hold every point against every surface, which is noted.
+fn is_too_long(places: &Places, contents: &Contents, log: &mut Log) -> bool {
+    let Contents { sources, occluders, mirrors, glass, diffuse, points, .. } = contents;
+    let surfaces = sources.len() + occluders.len() + mirrors.len() + glass.len() + diffuse.len();
+    let faces = |shape: &Shape| match shape {
+        Shape::Mesh(mesh) => mesh.triangles().len(),
+        Shape::Polygon(polygon) => polygon.vertices().len(),
+        _ => 0,
+    };
+    let faces: usize = sources.iter().map(|source| source.shape()).chain(occluders).map(faces).sum();
+    let curved = mirrors.iter().filter(|mirror| mirror.shape().outline().is_none()).count()
+        + glass.iter().filter(|glass| glass.shape().outline().is_none()).count();
+    let before = log.len();
+    for (what, others, limit) in [
+        ("pairs of a measurement point and a surface", surfaces as u128, POINTS_AND_SURFACES),
+        ("pairs of a measurement point and a triangle or an edge", faces as u128, POINTS_AND_FACES),
+        (
+            "measurement points, times curved mirrors and pieces of glass, times sources",
+            curved as u128 * sources.len() as u128,
+            POINTS_BEHIND_OPTICS,
+        ),
+    ] {
+        let said = others * points.len() as u128;
+        if said > u128::from(limit) {
+            log.add(places.root.span_of(schema::MEASURE.name), CaseError::TooMany { what, said, limit });
+        }
+    }
+    log.len() > before
 }
 
 /// A table that may be missing without the reader saying so.
@@ -214,6 +267,9 @@ fn configuration(
 ) -> Option<Configuration> {
     let points = std::mem::take(&mut measured.points);
     let contents = Contents { points, arrangement: measured.arrangement, ..contents };
+    if is_too_long(places, &contents, log) {
+        return None;
+    }
     let errors = match Configuration::of(contents) {
         Ok(configuration) => return Some(configuration),
         Err(errors) => errors,

@@ -3,10 +3,7 @@
 use std::fmt::Write;
 use std::path::PathBuf;
 
-use super::schema::{
-    EXITANCE_TEXTURE, Key, MAX_CASE_BYTES, MAX_COUNT, MAX_MAGNITUDE, MAX_MESH_BYTES, MAX_PICTURE_BYTES, MAX_POINTS,
-    MAX_POLYGON_VERTICES, MAX_SUBDIVIDE, MAX_TEXELS, MAX_TRIANGLES, MIN_AREA, Need, ROOT, Table, Value,
-};
+use super::schema::{EXITANCE_TEXTURE, Key, MAX_COUNT, MAX_MAGNITUDE, MIN_AREA, Need, ROOT, Table, Value};
 use super::{Case, PROPERTIES};
 use crate::sampling::Strategy;
 
@@ -49,21 +46,12 @@ nearest that is. Headers in two brackets, `[[source.disk]]`, may stand any numbe
 *(This page is written from the tables that the reader of case files asks: `cargo test --lib write_the_case_reference -- --ignored`.)*
 ";
 
-/// Limits that stand beside the keys' own.
-fn limits() -> [(&'static str, String); 11] {
-    let mebibytes = |bytes: u64| format!("{} MiB", bytes >> 20);
+/// Ranges that stand beside the keys' own.
+fn ranges() -> [(&'static str, String); 3] {
     [
         ("largest magnitude of any number but a normal's component", format!("{MAX_MAGNITUDE:e}")),
         ("smallest area of a shape", format!("{MIN_AREA:e} m²")),
         ("largest sample count and replicate count", MAX_COUNT.to_string()),
-        ("most measurement points", MAX_POINTS.to_string()),
-        ("most vertices of one polygon", MAX_POLYGON_VERTICES.to_string()),
-        ("most triangles, after `subdivide`", MAX_TRIANGLES.to_string()),
-        ("deepest `subdivide`", MAX_SUBDIVIDE.to_string()),
-        ("most texels of one texture", MAX_TEXELS.to_string()),
-        ("largest case file", mebibytes(MAX_CASE_BYTES)),
-        ("largest mesh file", mebibytes(MAX_MESH_BYTES)),
-        ("largest picture file", mebibytes(MAX_PICTURE_BYTES)),
     ]
 }
 
@@ -77,9 +65,10 @@ fn case_reference() -> String {
     );
     keys(&EXITANCE_TEXTURE, &mut page);
     page.push_str("\n## Limits\n\n| | |\n|---|---|\n");
-    for (what, limit) in limits() {
+    for (what, limit) in ranges() {
         let _ = writeln!(page, "| {what} | {limit} |");
     }
+    page.push_str("\nHow large a file, a polygon, a mesh or a texture may be, how many there may be, and where paths may lead: [Limits](limits.md).\n");
     page
 }
 

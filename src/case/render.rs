@@ -9,6 +9,9 @@ use super::error::{CaseErrors, Mistake};
 /// More lines than this are not underlined together: the first of them stands for all.
 const MOST_LINES: usize = 6;
 
+/// Lines that take more bytes together are not drawn: one may be as long as the file, and have many mistakes.
+const LONGEST: usize = 10_000;
+
 /// More mistakes than this are counted, not shown.
 const MOST_SHOWN: usize = 200;
 
@@ -33,7 +36,7 @@ impl CaseErrors {
         };
         let shown = self.mistakes.iter().take(MOST_SHOWN);
         let mut rendered: Vec<_> = shown.map(|mistake| renderer.render(&[self.group(mistake)])).collect();
-        if let Some(more @ 1..) = self.mistakes.len().checked_sub(MOST_SHOWN) {
+        if let more @ 1.. = self.beyond(MOST_SHOWN) {
             let title = Level::ERROR.primary_title(format!("{more} more mistakes in the same file"));
             rendered.push(renderer.render(&[title.element(Origin::path(&*self.path))]));
         }
@@ -54,6 +57,11 @@ impl CaseErrors {
         let mark = if self.text.starts_with(BYTE_ORDER_MARK) { BYTE_ORDER_MARK.len().min(first) } else { 0 };
         let from = self.text[..first].rfind('\n').map_or(mark, |at| at + 1);
         let to = self.text[last..].find('\n').map_or(self.text.len(), |at| last + at);
+        if to - from > LONGEST {
+            let at = Origin::path(&*self.path).line(mistake.line()).char_column(mistake.column());
+            let help = mistake.error.help().into_iter().map(|line| Level::HELP.message(line));
+            return title.element(at).elements(help);
+        }
         let lines_between = self.text[from..span.start].matches('\n').count();
         let shift = |span: &Range<usize>| span.start - from..span.end - from;
         let snippet = Snippet::source(&self.text[from..to])

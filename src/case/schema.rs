@@ -6,22 +6,6 @@
 
 use std::fmt;
 
-/// Largest case file, bytes.
-pub const MAX_CASE_BYTES: u64 = 16 << 20;
-/// Largest mesh file, bytes.
-pub const MAX_MESH_BYTES: u64 = 256 << 20;
-/// Most measurement points of one case.
-pub const MAX_POINTS: u64 = 1 << 24;
-/// Most triangles of one case, after `subdivide`.
-pub const MAX_TRIANGLES: u64 = 64_000_000;
-/// Most vertices of one polygon: each edge is compared with each other one.
-pub const MAX_POLYGON_VERTICES: u64 = 10_000;
-/// Deepest `subdivide`.
-pub const MAX_SUBDIVIDE: u64 = 8;
-/// Largest picture file, bytes.
-pub const MAX_PICTURE_BYTES: u64 = 64 << 20;
-/// Most texels of one texture.
-pub const MAX_TEXELS: u64 = 1 << 20;
 /// Largest sample count and replicate count.
 pub const MAX_COUNT: u64 = 1 << 40;
 /// Largest magnitude of a length (metres), an exitance (W/m²) or any other number but a normal's component: its fourth

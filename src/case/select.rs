@@ -5,12 +5,13 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use super::error::{CaseError, CaseErrors};
-use super::folder::{Folder, ReadFault, read_file};
+use super::folder::{Folder, Reach, ReadFault, read_file};
 use super::read::{CaseFile, read, whole_file};
 use super::shipped::{Shipped, shipped};
 use super::spelling;
-use super::{Case, Ink, schema};
+use super::{Case, Ink};
 use crate::errors::errors;
+use crate::intake::CASE_BYTES;
 
 errors! {
     /// Why a selection gave no cases. On the command line `Nothing` is exit code 4, the others 2.
@@ -68,6 +69,11 @@ impl std::error::Error for Unmatched {}
 /// cases: as a full name, else as a pattern if it holds `*` or `?`, else as a part of a name. If any file is faulty, no
 /// case is returned and every mistake of every file is.
 pub fn select(selectors: &[String]) -> Result<Vec<Case>, SelectError> {
+    select_reaching(selectors, Reach::Inside)
+}
+
+/// The same of cases whose paths may reach so far.
+pub fn select_reaching(selectors: &[String], reach: Reach) -> Result<Vec<Case>, SelectError> {
     let mut found: Vec<Found> = Vec::new();
     let mut unmatched = Vec::new();
     let mut faulty = Vec::new();
@@ -112,7 +118,7 @@ pub fn select(selectors: &[String]) -> Result<Vec<Case>, SelectError> {
             return Err(SelectError::SameName { name, first, second });
         }
     }
-    match (all_or_mistakes(found.iter().map(Found::read)), faulty) {
+    match (all_or_mistakes(found.iter().map(|found| found.read(reach))), faulty) {
         (Ok(cases), faulty) if faulty.is_empty() => Ok(cases),
         (read, mut files) => {
             files.extend(read.err().unwrap_or_default());
@@ -213,9 +219,9 @@ impl Found {
             Found::Shipped(case) => (false, case.name().into()),
         }
     }
-    fn read(&self) -> Result<Case, CaseErrors> {
+    fn read(&self, reach: Reach) -> Result<Case, CaseErrors> {
         match self {
-            Found::OnDisk(file) => file.read(),
+            Found::OnDisk(file) => file.read(reach),
             Found::Shipped(case) => case.read(),
         }
     }
@@ -243,7 +249,7 @@ impl OnDisk {
         }
     }
 
-    /// Every `*.toml` in a folder and below it, sorted by name. Links to folders are not followed.
+    /// Every file `*.toml` in a folder and below it, sorted by name. Links to folders are not followed.
     pub(super) fn folder(root: &Path) -> Result<Vec<OnDisk>, CaseErrors> {
         let mut found = Vec::new();
         let mut folders = vec![(root.to_path_buf(), String::new())];
@@ -257,6 +263,10 @@ impl OnDisk {
                 if entry.file_type().map_err(unreadable)?.is_dir() {
                     folders.push((entry.path(), format!("{below}/")));
                 } else if let Some(name) = below.strip_suffix(".toml") {
+                    // A pipe would be waited for.
+                    if entry.path().metadata().is_ok_and(|what| !what.is_file()) {
+                        continue;
+                    }
                     let name = name.to_string();
                     found.push(OnDisk { path: entry.path(), name, root: root.into(), below });
                 }
@@ -266,16 +276,16 @@ impl OnDisk {
         Ok(found)
     }
 
-    pub(super) fn read(&self) -> Result<Case, CaseErrors> {
+    pub(super) fn read(&self, reach: Reach) -> Result<Case, CaseErrors> {
         let shown = self.path.display().to_string();
-        let limit = schema::MAX_CASE_BYTES;
+        let limit = CASE_BYTES;
         let bytes = read_file(&self.path, limit).map_err(|fault| match fault {
             ReadFault::TooLarge => whole_file(&shown, CaseError::TooLarge { limit }),
             ReadFault::Unreadable(said) => whole_file(&shown, CaseError::Unreadable { said }),
         })?;
-        let folder = Folder::Disk(self.root.clone());
+        let folder = Folder::Disk { root: self.root.clone(), reach };
         let file = CaseFile { path: &shown, selector: &shown, name: &self.name, folder: &folder, below: &self.below };
-        read(&file, &bytes)
+        Ok(Case { reach, ..read(&file, &bytes)? })
     }
 }
 

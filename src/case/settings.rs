@@ -7,6 +7,7 @@ use super::schema::{self, Key, MAX_COUNT};
 use super::study::{Accepted, PROPERTIES, Replicates, SmallestBias, Study};
 use super::walk::{Log, Node};
 use crate::geometry::TexelGrid;
+use crate::intake::STUDY_ENTRIES;
 use crate::light::{Aim, LightSettings, Rings, Split};
 use crate::sampling::Strategy;
 
@@ -92,6 +93,12 @@ fn rings(node: &Node, log: &mut Log) -> Option<Rings> {
 
 fn accepted(node: &Node, log: &mut Log) -> Vec<Accepted> {
     let tables = node.tables(&schema::ACCEPTED, &schema::ACCEPTANCE, log);
+    if tables.len() as u64 > STUDY_ENTRIES {
+        let (said, limit) = (tables.len() as u128, STUDY_ENTRIES);
+        let span = node.span_of(schema::ACCEPTED.name);
+        log.add(span, CaseError::TooMany { what: "accepted deviations", said, limit });
+        return Vec::new();
+    }
     let one = |table: &Node, log: &mut Log| {
         let property =
             table.raw(&schema::PROPERTY).and_then(|v| table.name_among(&schema::PROPERTY, v, &PROPERTIES, log));

@@ -2,19 +2,59 @@
 
 use glam::DVec3;
 
-use super::error::CaseError;
+use super::error::{CaseError, MeshFileFault};
 use super::folder::Folder;
 use super::obj;
 use super::schema::{self, Key, Value};
 use super::walk::{Log, Node};
 use crate::geometry::{Disk, Mesh, Polygon, Rectangle, Shape, ShapeError, Sphere, Triangle};
+use crate::intake::{MESH_BYTES, NAMED_BYTES, POLYGON_VERTICES, SUBDIVIDE, TEXELS_IN_ALL, TRIANGLES, VERTICES};
 
-/// Where a case file stands, and how many triangles it has named so far.
+/// Where a case file stands, and how much it has asked for so far.
 pub(super) struct Files<'f> {
-    pub(super) folder: &'f Folder,
+    folder: &'f Folder,
     /// The case file's path below the folder.
-    pub(super) case: &'f str,
-    pub(super) triangles: u64,
+    case: &'f str,
+    /// Bytes of the files that it named.
+    bytes: u64,
+    triangles: u64,
+    /// Of polygons.
+    vertices: u64,
+    texels: u64,
+}
+
+impl<'f> Files<'f> {
+    pub(super) fn new(folder: &'f Folder, case: &'f str) -> Files<'f> {
+        Files { folder, case, bytes: 0, triangles: 0, vertices: 0, texels: 0 }
+    }
+
+    /// The content of a file that the case names, at most `limit` bytes of it.
+    pub(super) fn read(&mut self, said: &str, limit: u64) -> Result<Vec<u8>, MeshFileFault> {
+        let content =
+            self.folder.read(self.case, said, limit.min(NAMED_BYTES - self.bytes)).map_err(|fault| match fault {
+                MeshFileFault::TooLarge { limit: left } if left < limit => {
+                    MeshFileFault::TooLargeTogether { limit: NAMED_BYTES }
+                }
+                fault => fault,
+            })?;
+        self.bytes += content.len() as u64;
+        Ok(content)
+    }
+
+    /// Makes room for the texels of one more texture; else how many that would be.
+    pub(super) fn take_texels(&mut self, count: u64) -> Result<(), CaseError> {
+        taken(&mut self.texels, count, "texels in this case", TEXELS_IN_ALL)
+    }
+}
+
+/// Adds to a count that has a limit.
+fn taken(so_far: &mut u64, count: u64, what: &'static str, limit: u64) -> Result<(), CaseError> {
+    let said = so_far.saturating_add(count);
+    if said > limit {
+        return Err(CaseError::TooMany { what, said: said.into(), limit });
+    }
+    *so_far = said;
+    Ok(())
 }
 
 /// What [`all`] reads; other tables of a role (lamps) are read elsewhere.
@@ -41,7 +81,7 @@ fn one(node: &Node, key: &Key, files: &mut Files, log: &mut Log) -> Option<Shape
     match key.name {
         schema::DISK => disk(node, log).map(Shape::Disk),
         schema::RECTANGLE => rectangle(node, log).map(Shape::Rectangle),
-        schema::POLYGON => polygon(node, log).map(Shape::Polygon),
+        schema::POLYGON => polygon(node, files, log).map(Shape::Polygon),
         schema::SPHERE => sphere(node, log).map(Shape::Sphere),
         schema::MESH => mesh(node, files, log).map(Shape::Mesh),
         other => unreachable!("the schema names a shape {other} that nothing reads"),
@@ -93,13 +133,19 @@ pub(super) fn sphere(node: &Node, log: &mut Log) -> Option<Sphere> {
     })
 }
 
-pub(super) fn polygon(node: &Node, log: &mut Log) -> Option<Polygon> {
-    let vertices = node.vectors(&schema::VERTICES, schema::MAX_POLYGON_VERTICES, log)?;
+pub(super) fn polygon(node: &Node, files: &mut Files, log: &mut Log) -> Option<Polygon> {
+    let vertices = node.vectors(&schema::VERTICES, POLYGON_VERTICES, log)?;
+    if let Err(error) =
+        taken(&mut files.vertices, vertices.len() as u64, "vertices of polygons in this case", VERTICES)
+    {
+        log.add(node.span_of(schema::VERTICES.name), error);
+        return None;
+    }
     Polygon::new(vertices).map_err(|error| note(node, log, error)).ok()
 }
 
 pub(super) fn triangle(node: &Node, log: &mut Log) -> Option<Triangle> {
-    let vertices = node.vectors(&schema::VERTICES, schema::MAX_POLYGON_VERTICES, log)?;
+    let vertices = node.vectors(&schema::VERTICES, POLYGON_VERTICES, log)?;
     let Ok(corners) = <[DVec3; 3]>::try_from(vertices.as_slice()) else {
         let key = node.schema.full_name(schema::VERTICES.name);
         let span = node.span_of(schema::VERTICES.name);
@@ -112,11 +158,11 @@ pub(super) fn triangle(node: &Node, log: &mut Log) -> Option<Triangle> {
 fn mesh(node: &Node, files: &mut Files, log: &mut Log) -> Option<Mesh> {
     let file = node.text(&schema::FILE, log);
     let levels = match node.has(&schema::SUBDIVIDE) {
-        true => node.count(&schema::SUBDIVIDE, 0, schema::MAX_SUBDIVIDE, log),
+        true => node.count(&schema::SUBDIVIDE, 0, SUBDIVIDE, log),
         false => Some(0),
     };
     let (file, span) = (file?, node.span_of(schema::FILE.name));
-    let content = match files.folder.read(files.case, file, schema::MAX_MESH_BYTES) {
+    let content = match files.read(file, MESH_BYTES) {
         Ok(content) => content,
         Err(fault) => {
             log.add(span, CaseError::MeshFile { file: file.into(), fault });
@@ -131,11 +177,10 @@ fn mesh(node: &Node, files: &mut Files, log: &mut Log) -> Option<Mesh> {
         }
     };
     let levels = levels?;
-    files.triangles += (mesh.triangles().len() as u64) << (2 * levels);
-    if files.triangles > schema::MAX_TRIANGLES {
-        let (said, limit) = (files.triangles.into(), schema::MAX_TRIANGLES);
+    let count = (mesh.triangles().len() as u64) << (2 * levels);
+    if let Err(error) = taken(&mut files.triangles, count, "triangles in this case", TRIANGLES) {
         let span = if levels > 0 { node.span_of(schema::SUBDIVIDE.name) } else { span };
-        log.add(span, CaseError::TooMany { what: "triangles in this case", said, limit });
+        log.add(span, error);
         return None;
     }
     Some(mesh.subdivided(levels as u32))

@@ -5,13 +5,14 @@ use toml::de::DeValue;
 
 use super::error::CaseError;
 use super::picture;
-use super::schema::{self, Key, MAX_PICTURE_BYTES, MAX_TEXELS};
+use super::schema::{self, Key};
 use super::shapes::Files;
 use super::walk::{Log, Node};
 use crate::configuration::ReceiverShape;
 use crate::geometry::{
     Disk, MapTriangle, Parametrisation, ParametrisationError, Rectangle, Shape, Sphere, TexelGrid,
 };
+use crate::intake::{PICTURE_BYTES, TEXELS};
 use crate::texture::{Encoding, ExitancePolynomial, Lookup, OnRectangle, Raster, Texels, Texture, TextureError};
 
 /// What a texture is laid on.
@@ -198,6 +199,7 @@ fn raster(node: &Node, files: &mut Files, log: &mut Log) -> Option<Raster> {
     let black = level(&schema::BLACK, 0.0, log);
     if node.has(&schema::CHECKER) {
         let counts = checker(node, log)?;
+        take_texels((counts[0] * counts[1]) as u64, node, &schema::CHECKER, files, log)?;
         let (white, black) = (white?, black?);
         let grid = TexelGrid::new(counts[0], counts[1]).map_err(TextureError::from);
         return match grid.and_then(|grid| Raster::checker(grid, white, black)) {
@@ -211,7 +213,7 @@ fn raster(node: &Node, files: &mut Files, log: &mut Log) -> Option<Raster> {
     let file = node.text(&schema::IMAGE, log);
     let encoding = encoding(node, log);
     let (file, encoding, span) = (file?, encoding?, node.span_of(schema::IMAGE.name));
-    let bytes = match files.folder.read(files.case, file, MAX_PICTURE_BYTES) {
+    let bytes = match files.read(file, PICTURE_BYTES) {
         Ok(bytes) => bytes,
         Err(fault) => {
             log.add(span, CaseError::MeshFile { file: file.into(), fault });
@@ -225,12 +227,17 @@ fn raster(node: &Node, files: &mut Files, log: &mut Log) -> Option<Raster> {
             return None;
         }
     };
+    take_texels(picture.values.len() as u64, node, &schema::IMAGE, files, log)?;
     let (white, black) = (white?, black?);
     let values = picture.values.iter().map(|grey| black * (1.0 - grey) + white * grey).collect();
     match Raster::new(picture.grid, values) {
         Ok(raster) => Some(raster),
         Err(error) => refuse(node, &schema::IMAGE, error, log),
     }
+}
+
+fn take_texels(count: u64, node: &Node, key: &Key, files: &mut Files, log: &mut Log) -> Option<()> {
+    files.take_texels(count).map_err(|error| log.add(node.span_of(key.name), error)).ok()
 }
 
 /// Columns and rows.
@@ -246,9 +253,9 @@ fn checker(node: &Node, log: &mut Log) -> Option<[usize; 2]> {
         return None;
     };
     let (ns, nt) = (ns?, nt?);
-    if ns * nt > MAX_TEXELS {
+    if ns * nt > TEXELS {
         let said = u128::from(ns * nt);
-        log.add(value.span(), CaseError::TooMany { what: "texels", said, limit: MAX_TEXELS });
+        log.add(value.span(), CaseError::TooMany { what: "texels", said, limit: TEXELS });
         return None;
     }
     Some([usize::try_from(ns).ok()?, usize::try_from(nt).ok()?])

@@ -10,6 +10,10 @@ use toml::de::{DeInteger, DeTable, DeValue};
 use super::error::{CaseError, Mistake};
 use super::place::Places;
 use super::schema::{self, Key, MAX_MAGNITUDE, Need, Table};
+use crate::intake::{CASE_MISTAKES, STUDY_ENTRIES};
+
+/// Unknown keys of one table that may be misspelt known ones, at most.
+const LOOKED_AT: usize = 100;
 
 /// The mistakes found so far in one file.
 pub(super) struct Log<'t> {
@@ -17,17 +21,36 @@ pub(super) struct Log<'t> {
     /// Lines (from 0) on which the text is no TOML: what stands there is not judged further.
     broken_lines: BTreeSet<usize>,
     mistakes: Vec<Mistake>,
+    /// Beyond those that are kept.
+    more: usize,
+    /// Where the last one stands that is not kept.
+    last: Range<usize>,
 }
 
 impl<'t> Log<'t> {
     pub(super) fn new(path: &str, text: &'t str) -> Log<'t> {
-        Log { places: Places::new(path, text), broken_lines: BTreeSet::new(), mistakes: Vec::new() }
+        let (broken_lines, mistakes) = (BTreeSet::new(), Vec::new());
+        Log { places: Places::new(path, text), broken_lines, mistakes, more: 0, last: 0..0 }
+    }
+
+    fn keep(&mut self, span: Range<usize>, error: CaseError, also: Vec<(Range<usize>, String)>) {
+        if self.is_full() {
+            self.more += 1;
+            self.last = span;
+        } else {
+            self.mistakes.push(Mistake { error, place: self.places.place(span), also });
+        }
+    }
+
+    /// Whether further mistakes are only counted.
+    pub(super) fn is_full(&self) -> bool {
+        self.mistakes.len() as u64 >= CASE_MISTAKES
     }
 
     /// Notes a syntax error. One a line is enough: the parser stumbles on over the same spot.
     pub(super) fn add_syntax(&mut self, span: Range<usize>, error: CaseError) {
         if self.broken_lines.insert(self.places.line_of(span.start)) {
-            self.mistakes.push(Mistake { error, place: self.places.place(span), also: Vec::new() });
+            self.keep(span, error, Vec::new());
         }
     }
 
@@ -44,18 +67,22 @@ impl<'t> Log<'t> {
         let (first, last) = (self.places.line_of(span.start), self.places.line_of(span.end));
         let unsure = !self.broken_lines.is_empty() && error.is_absence();
         if !unsure && self.broken_lines.range(first..=last).next().is_none() {
-            self.mistakes.push(Mistake { error, place: self.places.place(span), also });
+            self.keep(span, error, also);
         }
     }
 
     /// How many mistakes there are so far.
     pub(super) fn len(&self) -> usize {
-        self.mistakes.len()
+        self.mistakes.len() + self.more
     }
 
     /// All of them, in the order of the text.
     pub(super) fn into_mistakes(mut self) -> Vec<Mistake> {
         self.mistakes.sort_by_key(|mistake| (mistake.span().start, mistake.span().end));
+        if self.more > 0 {
+            let place = self.places.place(self.last.clone());
+            self.mistakes.push(Mistake { error: CaseError::More { more: self.more }, place, also: Vec::new() });
+        }
         self.mistakes
     }
 }
@@ -75,6 +102,15 @@ impl<'t> Node<'t> {
         for key in table.keys() {
             let said = key.get_ref().as_ref();
             match schema.key(said) {
+                None if log.is_full() => log.add(
+                    key.span(),
+                    CaseError::UnknownKey {
+                        table: String::new(),
+                        said: String::new(),
+                        accepted: Vec::new(),
+                        nearest: None,
+                    },
+                ),
                 None => log.add(key.span(), CaseError::unknown_key(schema, said)),
                 Some(known) if known.need == Need::Later => {
                     log.add(key.span(), CaseError::NotYet { key: schema.full_name(said) });
@@ -113,8 +149,19 @@ impl<'t> Node<'t> {
     pub(super) fn misspells(&self, key: &Key) -> bool {
         let unknown =
             self.table.keys().map(|said| said.get_ref().as_ref()).filter(|said| self.schema.key(said).is_none());
-        let mut meant = unknown.filter_map(|said| super::spelling::nearest(said, self.schema.accepted()));
+        let mut meant =
+            unknown.take(LOOKED_AT).filter_map(|said| super::spelling::nearest(said, self.schema.accepted()));
         meant.any(|name| name == key.name) && !self.has(key)
+    }
+
+    /// Tables below the named one: each of an array counts.
+    pub(super) fn n_tables(&self, key: &Key) -> u64 {
+        let Some(DeValue::Table(role)) = self.raw(key).map(Spanned::get_ref) else { return 0 };
+        let count = |value: &Spanned<DeValue>| match value.get_ref() {
+            DeValue::Array(items) => items.len() as u64,
+            _ => 1,
+        };
+        role.values().map(count).sum()
     }
 
     fn name_of(&self, key: &Key) -> String {
@@ -335,6 +382,11 @@ impl<'t> Node<'t> {
         let items = self.items(key, value, log)?;
         if items.is_empty() {
             log.add(value.span(), CaseError::Empty { key: self.name_of(key) });
+            return None;
+        }
+        if items.len() as u64 > STUDY_ENTRIES {
+            let (said, limit) = (items.len() as u128, STUDY_ENTRIES);
+            log.add(value.span(), CaseError::TooMany { what: "entries", said, limit });
             return None;
         }
         let before = log.len();

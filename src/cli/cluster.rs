@@ -9,7 +9,6 @@ use clap::ValueEnum;
 use super::commands::{fault, print};
 use super::exit;
 use super::options::Plan;
-use super::share::spoken;
 use crate::trial::{Bill, ShardCost, quoted};
 
 /// What a run in shards can be written for.
@@ -71,7 +70,7 @@ struct Scripts {
 impl Scripts {
     fn new(options: &Plan, bill: &Bill, of: u32, out: &Path) -> Result<Scripts, u8> {
         let here = |error| fault(exit::OUTPUT, format!("this folder cannot be named: {error}"));
-        let command = options.work.settings().command(&spoken(&options.work.cases), None);
+        let command = options.work.command();
         let command = command.strip_prefix("etendue ").unwrap_or(&command).to_owned();
         let cases = bill.exact_seconds.len() as f64;
         Ok(Scripts {

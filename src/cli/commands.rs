@@ -8,7 +8,7 @@ use clap::CommandFactory;
 use super::cluster::{self, Engine};
 use super::exit;
 use super::explain;
-use super::options::{Calibrate, Check, Exact, Explain, Growth, List, Options, Plan, Report};
+use super::options::{Calibrate, Check, Exact, Explain, Growth, List, Options, Plan, Reaching, Report};
 use super::progress::RunBoard;
 use super::share;
 use crate::calibration;
@@ -25,8 +25,8 @@ pub(super) const GENERATOR: &str = "8 lanes of xoshiro256++, sample i in lane i 
                          strategy, samples, replicate, point (0 where points are shared) and source";
 
 /// Cases, or the exit code after saying what is wrong with them.
-pub(super) fn select(selectors: &[String]) -> Result<Vec<Case>, u8> {
-    case::select(selectors).map_err(|error| {
+pub(super) fn select(selectors: &[String], reaching: &Reaching) -> Result<Vec<Case>, u8> {
+    case::select_reaching(selectors, reaching.reach()).map_err(|error| {
         let ink = if coloured() { Ink::Coloured } else { Ink::Plain };
         match &error {
             SelectError::Nothing { unmatched } => {
@@ -80,7 +80,7 @@ pub fn plan(options: &Plan) -> u8 {
 }
 
 fn plan_to_end(options: &Plan) -> Result<u8, u8> {
-    let cases = select(&options.work.cases)?;
+    let cases = select(&options.work.cases, &options.work.reaching)?;
     set_threads(options.work.threads)?;
     let settings = options.work.settings();
     let bill = options.shards.map(|_| trial::Bill::new(&cases, &settings));
@@ -144,7 +144,7 @@ pub fn list(options: &List) -> u8 {
 }
 
 fn list_to_end(options: &List) -> Result<(), u8> {
-    let cases = select(&options.cases)?;
+    let cases = select(&options.cases, &options.reaching)?;
     if options.json {
         let cases: Vec<_> = cases
             .iter()
@@ -181,7 +181,7 @@ fn list_to_end(options: &List) -> Result<(), u8> {
 }
 
 pub fn check(options: &Check) -> u8 {
-    match select(&options.cases) {
+    match select(&options.cases, &options.reaching) {
         Ok(cases) => {
             let plural = if cases.len() == 1 { "case is" } else { "cases are" };
             print(&format!("{} {plural} valid\n", cases.len())).map_or_else(|code| code, |()| exit::PASSED)
@@ -195,7 +195,7 @@ pub fn exact(options: &Exact) -> u8 {
 }
 
 fn exact_to_end(options: &Exact) -> Result<(), u8> {
-    let cases = select(&options.cases)?;
+    let cases = select(&options.cases, &options.reaching)?;
     if options.limits {
         return limits(&cases);
     }

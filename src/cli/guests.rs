@@ -66,6 +66,8 @@ pub struct Terms {
     /// Exit with 0 when the verdict is undecided
     #[arg(long)]
     pub(super) allow_undecided: bool,
+    #[command(flatten)]
+    reaching: options::Reaching,
 }
 
 /// Options of `judge`.
@@ -162,7 +164,7 @@ fn seconds(text: &str) -> Result<Duration, String> {
 impl Terms {
     /// One case, with the terms in its study.
     fn case(&self, selector: &str) -> Result<Case, u8> {
-        let mut cases = select(&[selector.to_owned()])?;
+        let mut cases = select(&[selector.to_owned()], &self.reaching)?;
         if cases.len() > 1 {
             let names: Vec<&str> = cases.iter().map(|case| case.name.as_str()).take(4).collect();
             let more = if cases.len() > names.len() { ", …" } else { "" };
@@ -197,6 +199,11 @@ impl Terms {
     }
 }
 
+/// A case in a command that repeats its reading.
+pub(super) fn case_words(case: &Case) -> String {
+    quoted(&case.selector) + case.reach.words()
+}
+
 pub fn judge(options: &JudgeOptions) -> u8 {
     judge_to_end(options).unwrap_or_else(|code| code)
 }
@@ -220,7 +227,7 @@ fn judge_to_end(options: &JudgeOptions) -> Result<u8, u8> {
     let name = terms.name.clone().unwrap_or(format!("program:{stem}"));
     let words = program.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ");
     let reproduce =
-        format!("etendue judge {}{}{} -- {words}", quoted(&case.selector), settings.options(None), terms.words());
+        format!("etendue judge {}{}{} -- {words}", case_words(&case), settings.options(None), terms.words());
     let _lock = take(out)?;
     report::claim(out).map_err(|error| fault(exit::OUTPUT, error))?;
     let kept = out.join(ESTIMATES);
@@ -241,7 +248,7 @@ fn judge_to_end(options: &JudgeOptions) -> Result<u8, u8> {
         if [exit::USAGE, exit::INTERRUPTED].contains(&code) && answers > 0 {
             anstream::eprintln!(
                 "{answers} answers, in whole replicates, are kept: etendue verify {} {}",
-                quoted(&case.selector),
+                case_words(&case),
                 quoted(&kept.to_string_lossy())
             );
         }
@@ -271,7 +278,7 @@ fn verify_to_end(options: &VerifyOptions) -> Result<u8, u8> {
     let paths: Vec<String> = files.iter().map(|file| quoted(&file.to_string_lossy())).collect();
     // A file is judged without random numbers of ours.
     let bias = terms.smallest_bias.map_or(String::new(), |b| format!(" --smallest-bias {},{}", b.mean, b.point));
-    let reproduce = format!("etendue verify {} {}{bias}{}", quoted(&case.selector), paths.join(" "), terms.words());
+    let reproduce = format!("etendue verify {} {}{bias}{}", case_words(&case), paths.join(" "), terms.words());
     let out = &options.images.out;
     if options.converging {
         return converging(&case, terms, &name, &reproduce, files, out);
@@ -387,7 +394,8 @@ pub(super) fn join(
                 overrides: Overrides { strategies: None, ..settings.overrides.clone() },
                 ..settings.clone()
             };
-            let reproduce = alone.command(&[&case.selector], None) + &words(std::slice::from_ref(path));
+            let reproduce =
+                alone.command(&[&case.selector], None) + case.reach.words() + &words(std::slice::from_ref(path));
             let invitation = Invitation { name: &set.name, leaning: Leaning::Pilot, reproduce };
             let judged = match guest::judge_point_sets(case, settings, &invitation, set) {
                 Ok(judged) => judged,

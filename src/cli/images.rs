@@ -6,7 +6,8 @@ use clap::{Args, ValueEnum};
 
 use super::commands::{fault, print, select, take};
 use super::exit;
-use super::guests::VerifyOptions;
+use super::guests::{VerifyOptions, case_words};
+use super::options::Reaching;
 use crate::case::Case;
 use crate::external::image::{Stack, is_image};
 use crate::external::recipe::{self, Inexpressible, Order};
@@ -63,6 +64,8 @@ pub struct ExportOptions {
     /// Samples a pixel
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u64).range(1..=1 << 30))]
     samples: u64,
+    #[command(flatten)]
+    reaching: Reaching,
 }
 
 /// Options of `verify` that speak of images.
@@ -103,7 +106,7 @@ pub fn export(options: &ExportOptions) -> u8 {
 }
 
 fn export_to_end(options: &ExportOptions) -> Result<u8, u8> {
-    let mut cases = select(std::slice::from_ref(&options.case))?;
+    let mut cases = select(std::slice::from_ref(&options.case), &options.reaching)?;
     if cases.len() != 1 {
         return Err(fault(
             exit::USAGE,
@@ -177,7 +180,7 @@ pub(super) fn verify(options: &VerifyOptions, case: &Case) -> Result<u8, u8> {
     let stem = files[0].file_stem().map_or(String::new(), |stem| stem.to_string_lossy().into_owned());
     let name = terms.name.clone().unwrap_or(format!("{}:{stem}", manifest.renderer));
     let words = |path: &PathBuf| quoted(&path.to_string_lossy());
-    let mut reproduce = format!("etendue verify {}", quoted(&case.selector));
+    let mut reproduce = format!("etendue verify {}", case_words(case));
     // A thousand files are known by their folder.
     files.iter().take(4).for_each(|file| reproduce += &format!(" {}", words(file)));
     reproduce += if files.len() > 4 { " …" } else { "" };

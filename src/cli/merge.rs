@@ -8,8 +8,10 @@ use super::conclude::conclude;
 use super::exit;
 use super::interrupt::Interrupt;
 use super::options::Merge;
+use super::options::Reaching;
 use super::run::{Writing, measured};
-use super::share::{journal, spoken};
+use super::share::journal;
+use crate::case::Reach;
 use crate::journal::{Gathered, Identity, Indices, JournalError, gather};
 use crate::report;
 use crate::trial::{Settings, quoted};
@@ -40,9 +42,9 @@ fn merge_to_end(options: &Merge) -> Result<u8, u8> {
     if let Some(folder) = run.place() {
         let _ = std::env::set_current_dir(folder);
     }
-    let cases = select(&run.selectors)?;
+    let cases = select(&run.selectors, &Reaching { allow_outside: run.reach == Reach::Anywhere })?;
     let settings: Settings = run.settings.clone();
-    let here = Identity::new(&cases, &settings, &run.selectors, run.shard);
+    let here = Identity::new(&cases, &settings, &run.selectors, run.reach, run.shard);
     if let Some(why) = here.difference(&run) {
         return Err(fault(exit::SHARDS, format!("these shards belong to another run than can be made here: {why}")));
     }
@@ -60,7 +62,7 @@ fn merge_to_end(options: &Merge) -> Result<u8, u8> {
         anstream::eprintln!("interrupted: no report was written");
         return Ok(exit::INTERRUPTED);
     }
-    outcome.command = settings.command(&spoken(&run.selectors), None);
+    outcome.command = run.command();
     let writing = Writing { out: &out, plots: !options.no_plots, watched: false };
     writing.write(&outcome, &cases, &settings, &interrupt)?;
     conclude(&outcome, &options.out, &options.telling, None, options.quiet, options.allow_undecided)
@@ -91,7 +93,7 @@ fn incomplete(gathered: &Gathered, options: &Merge) -> u8 {
 /// What is to be run again, for a scheduler and for a shell.
 fn again(run: &Identity, missing: &[u32], folder: &Path) -> String {
     let of = run.shard.map_or(1, |shard| shard.of);
-    let command = run.settings.command(&spoken(&run.selectors), None);
+    let command = run.command();
     let out = quoted(&folder.to_string_lossy());
     let array = format!("Slurm:  sbatch --array={} shards.sbatch", Indices(missing));
     if missing.len() > LOOPED {

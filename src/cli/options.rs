@@ -6,7 +6,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use super::progress::Manner;
 use crate::calibration;
-use crate::case::{Replicates, SmallestBias, nearest};
+use crate::case::{Reach, Replicates, SmallestBias, nearest};
 use crate::oracle::Parameter;
 use crate::sampling::Strategy;
 #[cfg(feature = "plots")]
@@ -237,6 +237,20 @@ pub struct Man {
     pub command: Option<String>,
 }
 
+/// How far the paths in case files may reach.
+#[derive(Args, Debug)]
+pub struct Reaching {
+    /// Let cases name meshes and pictures anywhere, not only in the folder that is given (of a single file: its own)
+    #[arg(long)]
+    pub allow_outside: bool,
+}
+
+impl Reaching {
+    pub fn reach(&self) -> Reach {
+        if self.allow_outside { Reach::Anywhere } else { Reach::Inside }
+    }
+}
+
 /// Which cases, and how hard to look: what moves numbers.
 #[derive(Args, Debug)]
 pub struct Work {
@@ -268,6 +282,8 @@ pub struct Work {
     /// Threads (default: one for each core); the numbers do not depend on it
     #[arg(long, value_name = "T", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
+    #[command(flatten)]
+    pub reaching: Reaching,
 }
 
 /// Options of `run`.
@@ -358,6 +374,12 @@ pub enum Format {
 }
 
 impl Work {
+    /// The command that gives the same numbers: only what moves them.
+    pub fn command(&self) -> String {
+        let selectors: Vec<&str> = self.cases.iter().map(String::as_str).collect();
+        self.settings().command(&selectors, None) + self.reaching.reach().words()
+    }
+
     /// What a run is to do to the cases' own studies.
     pub fn settings(&self) -> Settings {
         let effort = match (self.quick, self.thorough) {
@@ -406,6 +428,8 @@ pub struct Render {
     /// Threads (default: one for each core); the numbers do not depend on it
     #[arg(long, value_name = "T", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
+    #[command(flatten)]
+    pub reaching: Reaching,
 }
 
 #[cfg(feature = "plots")]
@@ -476,6 +500,8 @@ pub struct List {
     /// Machine-readable
     #[arg(long)]
     pub json: bool,
+    #[command(flatten)]
+    pub reaching: Reaching,
 }
 
 #[derive(Args, Debug)]
@@ -483,6 +509,8 @@ pub struct Check {
     /// Case files, folders, or names of shipped cases
     #[arg(value_name = "CASE", required = true)]
     pub cases: Vec<String>,
+    #[command(flatten)]
+    pub reaching: Reaching,
 }
 
 #[derive(Args, Debug)]
@@ -497,6 +525,8 @@ pub struct Exact {
     /// source.0.center.x, occluder.1.radius, point.normal.z
     #[arg(long, value_name = "PARAMETER", value_delimiter = ',', conflicts_with = "limits")]
     pub derivative: Vec<Parameter>,
+    #[command(flatten)]
+    pub reaching: Reaching,
 }
 
 /// Options of `calibrate`.

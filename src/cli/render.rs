@@ -13,7 +13,7 @@ pub fn render(options: &Render) -> u8 {
 }
 
 fn render_to_end(options: &Render) -> Result<u8, u8> {
-    let cases = if options.lecture { Vec::new() } else { select(&options.cases)? };
+    let cases = if options.lecture { Vec::new() } else { select(&options.cases, &options.reaching)? };
     let _lock = take(&options.out)?;
     report::claim_pictures(&options.out).map_err(|error| fault(exit::OUTPUT, error))?;
     set_threads(options.threads)?;
@@ -51,7 +51,7 @@ fn of_case(case: &Case, options: &Render) -> Result<CasePictures, u8> {
     Ok(CasePictures {
         name: case.name.clone(),
         digest: case.configuration.digest().to_string(),
-        command: settings.command(&case.selector),
+        command: settings.command(&case.selector) + case.reach.words(),
         settings,
         camera,
         receiver,

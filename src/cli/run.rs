@@ -27,7 +27,7 @@ pub fn run(options: &Run) -> u8 {
 }
 
 fn run_to_end(options: &Run) -> Result<u8, u8> {
-    let cases = select(&options.work.cases)?;
+    let cases = select(&options.work.cases, &options.work.reaching)?;
     let sets = guests::sets(&options.points)?;
     let interrupt = Interrupt::heard()?;
     let _lock = take(&options.out)?;
@@ -38,7 +38,7 @@ fn run_to_end(options: &Run) -> Result<u8, u8> {
     let checkpoint = own.then(|| checkpoint(&cases, &settings, options)).transpose()?;
     report::claim(&options.out).map_err(|error| fault(exit::OUTPUT, error))?;
     let lines = matches!(options.telling.format, Format::Jsonl).then(Lines::default);
-    let command = settings.command(&share::spoken(&options.work.cases), None) + &guests::words(&options.points);
+    let command = options.work.command() + &guests::words(&options.points);
     let mut outcome = RunOutcome::new(settings.seed, String::new());
     if let Some(checkpoint) = &checkpoint {
         // What comes of points that were brought along belongs to a case's lines, too.
@@ -73,7 +73,7 @@ fn run_to_end(options: &Run) -> Result<u8, u8> {
 
 /// What is kept of this run while it goes on; with what an earlier one left, where that is wanted.
 fn checkpoint(cases: &[Case], settings: &Settings, options: &Run) -> Result<Checkpoint, u8> {
-    let identity = Identity::new(cases, settings, &options.work.cases, None);
+    let identity = Identity::new(cases, settings, &options.work.cases, options.work.reaching.reach(), None);
     if !options.resume {
         if Checkpoint::is_in(&options.out) && !options.quiet {
             let out = options.out.display();
@@ -154,8 +154,7 @@ impl Writing<'_> {
 /// What is said of a run that was interrupted, in one line.
 pub(super) fn told(outcome: &RunOutcome, cases: &[Case], options: &Run) -> String {
     let (done, all) = (outcome.cases.len(), cases.len());
-    let mut command = options.work.settings().command(&share::spoken(&options.work.cases), None);
-    command += &guests::words(&options.points);
+    let command = options.work.command() + &guests::words(&options.points);
     let out = trial::quoted(&options.out.to_string_lossy());
     let rest = if options.watch { String::new() } else { format!("; what goes on: {command} --out {out} --resume") };
     if done == 0 {

@@ -12,12 +12,12 @@ use crate::report;
 use crate::trial::{self, Division, Shard, TrialError};
 
 pub(super) fn share(options: &Run, shard: Shard) -> Result<u8, u8> {
-    let cases = select(&options.work.cases)?;
+    let cases = select(&options.work.cases, &options.work.reaching)?;
     let interrupt = Interrupt::heard()?;
     report::probe(&options.out).map_err(|error| fault(exit::OUTPUT, error))?;
     set_threads(options.work.threads)?;
     let settings = options.work.settings();
-    let identity = Identity::new(&cases, &settings, &options.work.cases, Some(shard));
+    let identity = Identity::new(&cases, &settings, &options.work.cases, options.work.reaching.reach(), Some(shard));
     let division = Division::new(&cases, &settings);
     let file = match ShardFile::begin(&options.out, identity, division, options.resume).map_err(journal)? {
         Beginning::Finished(path, units) => {
@@ -41,7 +41,7 @@ pub(super) fn share(options: &Run, shard: Shard) -> Result<u8, u8> {
         return Err(code);
     }
     if !all.map_err(of_trial)? {
-        let command = settings.command(&spoken(&options.work.cases), None);
+        let command = options.work.command();
         let out = trial::quoted(&options.out.to_string_lossy());
         anstream::eprintln!("interrupted: what goes on: {command} --shard {shard} --out {out} --resume");
         return Ok(exit::INTERRUPTED);
@@ -62,10 +62,6 @@ fn tell(shard: Shard, finished: &Finished, options: &Run, how: &str) -> Result<u
         }
     }
     Ok(exit::PASSED)
-}
-
-pub(super) fn spoken(selectors: &[String]) -> Vec<&str> {
-    selectors.iter().map(String::as_str).collect()
 }
 
 /// What is said of a journal that cannot be had, and the code to leave with.

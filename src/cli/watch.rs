@@ -17,10 +17,10 @@ use super::commands::{coloured, fault, select, set_threads, take};
 use super::conclude::conclude;
 use super::exit;
 use super::interrupt::Interrupt;
-use super::options::Run;
+use super::options::{Reaching, Run};
 use super::progress::Board;
 use super::run::{Writing, measured, told};
-use crate::case::{self, Case, Ink};
+use crate::case::{self, Case, Ink, Reach};
 use crate::report;
 use crate::trial::{CaseOutcome, RunOutcome};
 
@@ -35,17 +35,18 @@ const GLANCE: Duration = Duration::from_millis(50);
 type Found = Result<Vec<Case>, String>;
 
 pub(super) fn watch(options: &Run) -> Result<u8, u8> {
-    let selectors = &options.work.cases;
-    on_disk(selectors)?;
+    let (selectors, reaching) = (&options.work.cases, &options.work.reaching);
+    on_disk(selectors, reaching)?;
     let interrupt = Interrupt::heard()?;
     let _lock = take(&options.out)?;
     report::claim(&options.out).map_err(|error| fault(exit::OUTPUT, error))?;
     set_threads(options.work.threads)?;
     let (stir, stirred) = channel();
-    let mut folders = Folders::new(stir)?;
+    let reach = reaching.reach();
+    let mut folders = Folders::new(stir, reach)?;
     folders.watch(selectors)?;
     // Watched before they are read, so that no change is missed. A mistake in a file is waited out.
-    let first = read(selectors);
+    let first = read(selectors, reach);
     let (version, ended) = (AtomicU64::new(0), AtomicBool::new(false));
     let (tell, news) = channel();
     thread::scope(|scope| {
@@ -60,36 +61,38 @@ pub(super) fn watch(options: &Run) -> Result<u8, u8> {
 }
 
 /// Refuses what cannot change.
-fn on_disk(selectors: &[String]) -> Result<(), u8> {
+fn on_disk(selectors: &[String], reaching: &Reaching) -> Result<(), u8> {
     let way = "--watch waits for files to change: give a case file or a folder (`etendue new NAME` writes one)";
     if selectors.is_empty() {
         return Err(fault(exit::USAGE, format!("the shipped cases are part of the program; {way}")));
     }
     if let Some(selector) = selectors.iter().find(|selector| !Path::new(selector).exists()) {
         // Says what is wrong with a name that is none.
-        select(std::slice::from_ref(selector))?;
+        select(std::slice::from_ref(selector), reaching)?;
         return Err(fault(exit::USAGE, format!("`{selector}` is part of the program; {way}")));
     }
     Ok(())
 }
 
-fn read(selectors: &[String]) -> Found {
+fn read(selectors: &[String], reach: Reach) -> Found {
     // A file that is gone must not be looked for among the shipped cases.
     if let Some(gone) = selectors.iter().find(|selector| !Path::new(selector).exists()) {
         return Err(format!("{gone} is not there"));
     }
     let ink = if coloured() { Ink::Coloured } else { Ink::Plain };
-    case::select(selectors).map_err(|error| error.render(ink))
+    case::select_reaching(selectors, reach).map_err(|error| error.render(ink))
 }
 
 /// The folders that are watched.
 struct Folders {
     watcher: RecommendedWatcher,
     watched: BTreeSet<PathBuf>,
+    /// How far the paths in case files may reach.
+    reach: Reach,
 }
 
 impl Folders {
-    fn new(stir: Sender<()>) -> Result<Folders, u8> {
+    fn new(stir: Sender<()>, reach: Reach) -> Result<Folders, u8> {
         let watcher = notify::recommended_watcher(move |event: notify::Result<notify::Event>| {
             // That a file was read, by ourselves for one, is no change; whatever is not known may be one.
             if !event.is_ok_and(|event| matches!(event.kind, EventKind::Access(_))) {
@@ -97,7 +100,7 @@ impl Folders {
             }
         });
         let watcher = watcher.map_err(|error| fault(exit::OUTPUT, format!("files cannot be watched: {error}")))?;
-        Ok(Folders { watcher, watched: BTreeSet::new() })
+        Ok(Folders { watcher, watched: BTreeSet::new(), reach })
     }
 
     /// Watches what the selectors lead to: of a file its folder (a file that is saved by renaming is another one), and the
@@ -114,7 +117,7 @@ impl Folders {
             self.add(&own, RecursiveMode::NonRecursive).map_err(|()| at(&own))?;
             // Behind a link, too; and folders that are not there yet are looked for again at the next change.
             let real = path.canonicalize().ok();
-            for file in case::files_named(path).into_iter().chain(real) {
+            for file in case::files_named(path, self.reach).into_iter().chain(real) {
                 let _ = self.add(&folder_of(&file), RecursiveMode::NonRecursive);
             }
         }
@@ -164,7 +167,7 @@ fn listen(
         }
         // Before they are read: what changes after that stirs again.
         let _ = folders.watch(selectors);
-        let now = read(selectors);
+        let now = read(selectors, folders.reach);
         if now != last {
             last = now.clone();
             version.fetch_add(1, Ordering::Relaxed);
@@ -255,7 +258,10 @@ impl Rounds<'_> {
         }
         self.known.retain(|name, _| names.contains(name));
         let selectors: Vec<&str> = options.work.cases.iter().map(String::as_str).collect();
-        let mut whole = RunOutcome::new(settings.seed, settings.command(&selectors, None));
+        let mut whole = RunOutcome::new(
+            settings.seed,
+            settings.command(&selectors, None) + options.work.reaching.reach().words(),
+        );
         let of_now = |name: &String| self.known.get(name).filter(|_| !outcome.missing.contains(name));
         for name in &names {
             match of_now(name) {

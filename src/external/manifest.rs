@@ -8,6 +8,7 @@ use thiserror::Error;
 
 use super::pixels::PixelGrid;
 use crate::configuration::Configuration;
+use crate::intake::IMAGE_MANIFEST;
 
 /// Seeds of independent images: the first, and what is added for the next. Neighbouring seeds share streams in some
 /// renderers.
@@ -57,8 +58,6 @@ impl Manifest {
     pub const SCHEMA_VERSION: u32 = 1;
     pub const FORMULA: &'static str = "E = pi L / rho";
     pub const UNITS: &'static str = "metres; radiance L in W/(m2 sr); irradiance E and exitance M in W/m2";
-    /// A manifest is read up to this length, bytes.
-    const LONGEST: u64 = 1 << 20;
 
     /// Reads a manifest, and holds it against the case.
     pub fn read(path: &Path, configuration: &Configuration) -> Result<Manifest, ManifestError> {
@@ -66,13 +65,18 @@ impl Manifest {
         let unreadable = |source| ManifestError::Unreadable { path: path.to_owned(), source };
         let mut text = String::new();
         let file = std::fs::File::open(path).map_err(unreadable)?;
-        file.take(Manifest::LONGEST + 1).read_to_string(&mut text).map_err(unreadable)?;
+        file.take(IMAGE_MANIFEST + 1).read_to_string(&mut text).map_err(unreadable)?;
         let refused = |what: String| ManifestError::Refused { path: path.to_owned(), what };
-        if text.len() as u64 > Manifest::LONGEST {
-            return Err(refused("it is longer than a megabyte".to_owned()));
+        if text.len() as u64 > IMAGE_MANIFEST {
+            return Err(refused("it is longer than a mebibyte, the most that is accepted".to_owned()));
         }
-        let manifest: Manifest = serde_json::from_str(&text).map_err(|error| refused(error.to_string()))?;
-        manifest.check(configuration).map_err(refused)?;
+        Manifest::parse(&text, configuration).map_err(refused)
+    }
+
+    /// The same of its text; an error in words.
+    pub(crate) fn parse(text: &str, configuration: &Configuration) -> Result<Manifest, String> {
+        let manifest: Manifest = serde_json::from_str(text).map_err(|error| error.to_string())?;
+        manifest.check(configuration)?;
         Ok(manifest)
     }
 

@@ -64,8 +64,8 @@ pub enum GuestError {
     Incomplete { path: PathBuf, question: Question, others: u64 },
     #[error("{}: there is no estimate in it; accepted: lines of point,replicate,samples,value", path.display())]
     Empty { path: PathBuf },
-    #[error("{}: there are more than {limit} estimates in it, the most that are held in memory", path.display())]
-    TooLarge { path: PathBuf, limit: u64 },
+    #[error("{}: there are more than {limit} {what} in it, the most that are held in memory", path.display())]
+    TooLarge { path: PathBuf, what: &'static str, limit: u64 },
     #[error("{}: {what}; accepted: a CSV of estimates (point,replicate,samples,value)", path.display())]
     Foreign { path: PathBuf, what: &'static str },
     /// Whoever asked wanted no more.

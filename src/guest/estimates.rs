@@ -1,15 +1,19 @@
 //! A file of estimates, in any order.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::fs::File;
-use std::io::{self, BufReader, Read, Seek};
+use std::io::{self, BufRead, BufReader, Read, Seek};
 use std::path::{Path, PathBuf};
 
-use super::MOST_ESTIMATES;
 use super::error::{AnswerFault, GuestError};
 use super::question::{Question, is_silent, parse, read_line};
 use crate::case::Case;
+use crate::intake::{ESTIMATES, REPLICATES, SAMPLE_COUNTS};
 use crate::trial::{CaseOutcome, Invitation, Settings, judge_given};
+
+/// Bytes of a file that tell whether it is one of text.
+const HEAD: u64 = 512;
 
 /// For each sample count, ascending: `[replicate][point]`, W/m².
 pub type Estimates = Vec<(u64, Vec<Vec<f64>>)>;
@@ -37,18 +41,48 @@ struct Row {
 ///
 /// Replicates may have any numbers; their order is that of their numbers. Each has one value for each point.
 pub fn read_estimates(paths: &[PathBuf], n_points: usize) -> Result<Estimates, GuestError> {
-    let mut cells: BTreeMap<u64, BTreeMap<u64, Row>> = BTreeMap::new();
-    let mut held = 0;
+    let mut table = Table::new(n_points);
     for path in paths {
-        let mut file = open(path)?;
+        table.read(path, open(path)?)?;
+    }
+    complete(table.cells, n_points, paths)
+}
+
+/// The same of one file that lies in memory.
+#[cfg(any(fuzzing, test))]
+pub(crate) fn estimates_from_memory(bytes: &[u8], n_points: usize) -> Result<Estimates, GuestError> {
+    let path = PathBuf::from("memory");
+    let mut table = Table::new(n_points);
+    refuse_what_is_no_text(&path, &bytes[..bytes.len().min(HEAD as usize)])?;
+    table.read(&path, io::Cursor::new(bytes))?;
+    complete(table.cells, n_points, &[path])
+}
+
+/// By sample count, then by replicate.
+type Cells = BTreeMap<u64, BTreeMap<u64, Row>>;
+
+/// Estimates as they come.
+struct Table {
+    n_points: usize,
+    cells: Cells,
+    replicates: u64,
+}
+
+impl Table {
+    fn new(n_points: usize) -> Table {
+        Table { n_points, cells: BTreeMap::new(), replicates: 0 }
+    }
+
+    fn read(&mut self, path: &Path, mut file: impl BufRead) -> Result<(), GuestError> {
+        let n_points = self.n_points;
         let (mut line, mut said) = (0, false);
-        let unreadable = |source| GuestError::Unreadable { path: path.clone(), source };
+        let unreadable = |source| GuestError::Unreadable { path: path.to_owned(), source };
         while let Some(text) = read_line(&mut file).map_err(unreadable)? {
             line += 1;
             if is_silent(&text, line == 1) {
                 continue;
             }
-            let fault = |fault| GuestError::Line { path: path.clone(), line, fault };
+            let fault = |fault| GuestError::Line { path: path.to_owned(), line, fault };
             let (question, value) = parse(&text).map_err(fault)?;
             let not_asked = |why: String| Err(fault(AnswerFault::NotAsked { question, why }));
             if question.point >= n_points as u64 {
@@ -58,14 +92,7 @@ pub fn read_estimates(paths: &[PathBuf], n_points: usize) -> Result<Estimates, G
                 return not_asked("an estimate takes one sample or more".to_owned());
             }
             said = true;
-            let rows = cells.entry(question.samples).or_default();
-            let row = rows.entry(question.replicate).or_insert_with(|| {
-                held += n_points as u64;
-                Row { values: vec![f64::NAN; n_points], known: 0 }
-            });
-            if held > MOST_ESTIMATES {
-                return Err(GuestError::TooLarge { path: path.clone(), limit: MOST_ESTIMATES });
-            }
+            let row = self.row(path, &question)?;
             let kept = &mut row.values[question.point as usize];
             if !kept.is_nan() {
                 return Err(fault(AnswerFault::Twice { question }));
@@ -73,18 +100,35 @@ pub fn read_estimates(paths: &[PathBuf], n_points: usize) -> Result<Estimates, G
             *kept = value;
             row.known += 1;
         }
-        if !said {
-            return Err(GuestError::Empty { path: path.clone() });
+        if said { Ok(()) } else { Err(GuestError::Empty { path: path.to_owned() }) }
+    }
+
+    /// The row of a question, made if there is room for another one.
+    fn row(&mut self, path: &Path, question: &Question) -> Result<&mut Row, GuestError> {
+        let too_large = |what, limit| GuestError::TooLarge { path: path.to_owned(), what, limit };
+        let n_cells = self.cells.len() as u64;
+        let rows = match self.cells.entry(question.samples) {
+            Entry::Occupied(there) => there.into_mut(),
+            Entry::Vacant(_) if n_cells >= SAMPLE_COUNTS => return Err(too_large("sample counts", SAMPLE_COUNTS)),
+            Entry::Vacant(free) => free.insert(BTreeMap::new()),
+        };
+        match rows.entry(question.replicate) {
+            Entry::Occupied(there) => Ok(there.into_mut()),
+            Entry::Vacant(free) => {
+                self.replicates += 1;
+                if self.replicates > REPLICATES {
+                    return Err(too_large("replicates", REPLICATES));
+                }
+                if self.replicates.saturating_mul(self.n_points as u64) > ESTIMATES {
+                    return Err(too_large("estimates", ESTIMATES));
+                }
+                Ok(free.insert(Row { values: vec![f64::NAN; self.n_points], known: 0 }))
+            }
         }
     }
-    complete(cells, n_points, paths)
 }
 
-fn complete(
-    cells: BTreeMap<u64, BTreeMap<u64, Row>>,
-    n_points: usize,
-    paths: &[PathBuf],
-) -> Result<Estimates, GuestError> {
+fn complete(cells: Cells, n_points: usize, paths: &[PathBuf]) -> Result<Estimates, GuestError> {
     let missing = |(samples, rows): (&u64, &BTreeMap<u64, Row>)| {
         let lacking = rows.iter().filter(|(_, row)| row.known < n_points);
         let questions = lacking.map(|(replicate, row)| {
@@ -107,7 +151,14 @@ fn open(path: &Path) -> Result<BufReader<File>, GuestError> {
     let unreadable = |source| GuestError::Unreadable { path: path.to_owned(), source };
     let mut file = File::open(path).map_err(unreadable)?;
     let mut head = Vec::new();
-    file.by_ref().take(512).read_to_end(&mut head).map_err(unreadable)?;
+    file.by_ref().take(HEAD).read_to_end(&mut head).map_err(unreadable)?;
+    refuse_what_is_no_text(path, &head)?;
+    file.seek(io::SeekFrom::Start(0)).map_err(unreadable)?;
+    Ok(BufReader::new(file))
+}
+
+/// - `head`: how the file begins
+fn refuse_what_is_no_text(path: &Path, head: &[u8]) -> Result<(), GuestError> {
     let foreign = |what| Err(GuestError::Foreign { path: path.to_owned(), what });
     if [&b"\x76\x2f\x31\x01"[..], b"PF", b"Pf", b"\x93NUMPY", b"\x89PNG"].iter().any(|magic| head.starts_with(magic))
     {
@@ -116,8 +167,7 @@ fn open(path: &Path) -> Result<BufReader<File>, GuestError> {
     if head.contains(&0) {
         return foreign("this is no text");
     }
-    file.seek(io::SeekFrom::Start(0)).map_err(unreadable)?;
-    Ok(BufReader::new(file))
+    Ok(())
 }
 
 #[cfg(test)]

@@ -48,6 +48,5 @@ pub use program::{Program, judge_program};
 pub use question::{ANSWER_HEADER, QUESTION_HEADER, write_questions};
 #[cfg(feature = "studies")]
 pub use sets::{PointSets, SetsError, judge_point_sets, read_sets, write_sets};
-
-/// Numbers of a file that are held in memory at most: 160 MB of estimates.
-pub(crate) const MOST_ESTIMATES: u64 = 20_000_000;
+#[cfg(all(feature = "studies", any(fuzzing, test)))]
+pub(crate) use {estimates::estimates_from_memory, sets::sets_from_memory};

@@ -5,6 +5,7 @@ use std::io::{self, BufRead, Read, Write};
 
 use super::error::AnswerFault;
 use crate::configuration::MeasurementPoint;
+use crate::intake::LINE;
 use crate::sampling::{Draws, StreamKey};
 use crate::trial::{Asked, AskedCell};
 
@@ -14,8 +15,6 @@ pub const QUESTION_HEADER: &str = "point,x_m,y_m,z_m,nx,ny,nz,samples,replicate,
 /// The first line of what it says, if it likes; the value is the irradiance in W/m².
 pub const ANSWER_HEADER: &str = "point,replicate,samples,value";
 
-/// No line of anybody is longer, bytes.
-const LONGEST_LINE: u64 = 4096;
 /// Of a line that is no answer so much is shown, characters.
 const SHOWN: usize = 60;
 
@@ -118,7 +117,7 @@ pub(super) fn write_all(out: &mut dyn Write, points: &[MeasurementPoint], cells:
 /// Reads a line of at most 4096 bytes; `None` at the end. What is longer comes in pieces, none of which is an answer.
 pub(super) fn read_line(input: &mut impl BufRead) -> io::Result<Option<String>> {
     let mut line = Vec::new();
-    input.take(LONGEST_LINE).read_until(b'\n', &mut line)?;
+    input.take(LINE).read_until(b'\n', &mut line)?;
     Ok((!line.is_empty()).then(|| String::from_utf8_lossy(&line).trim_end_matches(['\n', '\r']).to_owned()))
 }
 
@@ -213,7 +212,7 @@ mod tests {
         let mut input = io::Cursor::new(text);
         let mut lines = Vec::new();
         while let Some(line) = read_line(&mut input).unwrap() {
-            assert!(line.len() <= LONGEST_LINE as usize);
+            assert!(line.len() <= LINE as usize);
             lines.push(line);
         }
         assert_eq!((lines.len(), lines[3].as_str()), (4, "0,0,1,2"));

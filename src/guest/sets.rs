@@ -16,14 +16,14 @@
 //! new evidence.
 
 use std::fs::File;
-use std::io::{self, BufReader, Write};
+use std::io::{self, BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use super::MOST_ESTIMATES;
 use super::question::read_line;
 use crate::case::Case;
+use crate::intake::{ESTIMATES, REPLICATES};
 use crate::sampling::{BLOCK, LANES, Lanes, Pattern, Purpose, Squares, Strategy, StreamKey, Technique};
 use crate::trial::{CaseOutcome, Invitation, NotJudged, Settings, judge_sets};
 
@@ -60,14 +60,24 @@ pub enum SetsError {
     Uneven { path: PathBuf, line: u64, said: usize, expected: usize },
     #[error("{}: there is no point in it; accepted: one point a line, such as `0.25 0.75`, an empty line between sets", path.display())]
     Empty { path: PathBuf },
-    #[error("{}: there are more than {limit} points in it, the most that are held in memory", path.display())]
-    TooLarge { path: PathBuf, limit: u64 },
+    #[error("{}: there are more than {limit} {what} in it, the most that are held in memory", path.display())]
+    TooLarge { path: PathBuf, what: &'static str, limit: u64 },
 }
 
 /// Reads a file of point sets.
 pub fn read_sets(path: &Path) -> Result<PointSets, SetsError> {
+    let file = File::open(path).map_err(|source| SetsError::Unreadable { path: path.to_owned(), source })?;
+    read_from(path, BufReader::new(file))
+}
+
+/// The same of a file that lies in memory.
+#[cfg(any(fuzzing, test))]
+pub(crate) fn sets_from_memory(bytes: &[u8]) -> Result<PointSets, SetsError> {
+    read_from(Path::new("memory"), io::Cursor::new(bytes))
+}
+
+fn read_from(path: &Path, mut file: impl BufRead) -> Result<PointSets, SetsError> {
     let unreadable = |source| SetsError::Unreadable { path: path.to_owned(), source };
-    let mut file = BufReader::new(File::open(path).map_err(unreadable)?);
     let mut sets: Vec<Vec<[f64; 2]>> = Vec::new();
     let mut set = Vec::new();
     let (mut line, mut held) = (0, 0);
@@ -78,6 +88,9 @@ pub fn read_sets(path: &Path) -> Result<PointSets, SetsError> {
         let expected = sets.first().map_or(set.len(), Vec::len);
         if set.len() != expected {
             return Err(SetsError::Uneven { path: path.to_owned(), line, said: set.len(), expected });
+        }
+        if sets.len() as u64 >= REPLICATES {
+            return Err(SetsError::TooLarge { path: path.to_owned(), what: "sets", limit: REPLICATES });
         }
         sets.push(std::mem::take(set));
         Ok(())
@@ -91,8 +104,8 @@ pub fn read_sets(path: &Path) -> Result<PointSets, SetsError> {
         }
         set.push(point(text, path, line)?);
         held += 1;
-        if held > MOST_ESTIMATES {
-            return Err(SetsError::TooLarge { path: path.to_owned(), limit: MOST_ESTIMATES });
+        if held > ESTIMATES {
+            return Err(SetsError::TooLarge { path: path.to_owned(), what: "points", limit: ESTIMATES });
         }
     }
     end_set(&mut set, line)?;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use crate::case::Case;
+use crate::case::{Case, Reach};
 use crate::configuration::Sha256;
 use crate::trial::{Settings, Shard, numeric_fingerprint};
 
@@ -17,6 +17,8 @@ pub struct Identity {
     pub settings: Settings,
     /// What selected the cases on the command line; none: the shipped ones.
     pub selectors: Vec<String>,
+    /// How far their paths were let reach.
+    pub reach: Reach,
     /// Where that was said.
     pub folder: PathBuf,
     pub cases: Vec<CaseIdentity>,
@@ -53,13 +55,20 @@ impl CaseIdentity {
 impl Identity {
     /// Of a run that begins here and now.
     ///
-    /// - `selectors`: as they were given
-    pub fn new(cases: &[Case], settings: &Settings, selectors: &[String], shard: Option<Shard>) -> Identity {
+    /// - `selectors`, `reach`: as they were given
+    pub fn new(
+        cases: &[Case],
+        settings: &Settings,
+        selectors: &[String],
+        reach: Reach,
+        shard: Option<Shard>,
+    ) -> Identity {
         Identity {
             etendue_version: env!("CARGO_PKG_VERSION").to_owned(),
             machine: numeric_fingerprint(),
             settings: settings.clone(),
             selectors: selectors.to_vec(),
+            reach,
             folder: std::env::current_dir().unwrap_or_default(),
             cases: cases.iter().map(CaseIdentity::of).collect(),
             shard,
@@ -113,6 +122,12 @@ impl Identity {
         }
         let changed = self.cases.iter().zip(&other.cases).find(|(own, theirs)| own.digest != theirs.digest);
         changed.map(|(case, _)| format!("its case {} is another than it is now: the file was changed", case.name))
+    }
+
+    /// The command that makes it: only what moves numbers.
+    pub fn command(&self) -> String {
+        let selectors: Vec<&str> = self.selectors.iter().map(String::as_str).collect();
+        self.settings.command(&selectors, None) + self.reach.words()
     }
 
     /// The folder in which its cases were selected, where that still is one.

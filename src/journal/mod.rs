@@ -32,6 +32,29 @@ pub fn try_bytes(bytes: &[u8]) -> Result<(), JournalError> {
     shelf::read_from(bytes, bytes.len() as u64, std::path::Path::new("these bytes")).map(drop)
 }
 
+/// The same of bodies that are framed first, as if they had been written so; each behind a byte that says how long it is, and of
+/// what kind.
+#[doc(hidden)]
+pub fn try_bodies(mut bytes: &[u8]) -> Result<(), JournalError> {
+    let mut file = frame::MARK.to_vec();
+    let mut digest = crate::configuration::Sha256::new();
+    let mut units = 0;
+    while let Some((first, rest)) = bytes.split_first() {
+        let (body, rest) = rest.split_at((usize::from(*first) * 4).min(rest.len()));
+        let kind = match first % 8 {
+            0 => frame::Kind::Head,
+            1 => frame::Kind::End,
+            _ => frame::Kind::Unit,
+        };
+        units += u64::from(kind == frame::Kind::Unit);
+        file.extend(frame::frame(kind, &[body]));
+        bytes = rest;
+    }
+    digest.update(&file);
+    file.extend(frame::end_frame(units, digest));
+    try_bytes(&file)
+}
+
 /// This computer's name, where it can be told.
 fn host() -> String {
     let kernel = std::fs::read_to_string("/proc/sys/kernel/hostname").ok();

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 use super::*;
-use crate::case::{Case, Replicates};
+use crate::case::{Case, Reach, Replicates};
 use crate::sampling::Strategy;
 use crate::trial::{Absent, Division, Effort, Keeper, Kept, Overrides, Portion, Settings, Shard, Stage, Unit};
 
@@ -20,7 +20,7 @@ fn cases() -> Vec<Case> {
 }
 
 fn identity(seed: u64, shard: Option<Shard>) -> Identity {
-    Identity::new(&cases(), &settings(seed), &[], shard)
+    Identity::new(&cases(), &settings(seed), &[], Reach::Inside, shard)
 }
 
 fn unit(case: u32, index: u32) -> Unit {

@@ -1,5 +1,6 @@
 //! The folder of a report: claimed before the work starts, swept of an earlier run, filled file by file.
 
+use std::collections::{HashMap, HashSet};
 use std::fs;
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
@@ -135,7 +136,9 @@ pub(super) fn write_whole(dir: &Path, name: &str, content: &[u8]) -> Result<Path
 /// Path separators become `-`, and so does whatever is no letter, digit, `-`, `_` or `.`; `.` and `..` vanish. Names
 /// that then coincide (also on file systems that fold case) are numbered in order.
 pub(super) fn file_stems<'a>(names: impl IntoIterator<Item = &'a str>) -> Vec<String> {
-    let mut taken = std::collections::HashSet::new();
+    let mut taken = HashSet::new();
+    // By stem: the next number that may be free.
+    let mut next: HashMap<String, usize> = HashMap::new();
     let stem = |name: &str| {
         let parts = name.split(['/', '\\']).filter(|part| !matches!(*part, "" | "." | ".."));
         let joined = parts.collect::<Vec<_>>().join("-");
@@ -153,9 +156,17 @@ pub(super) fn file_stems<'a>(names: impl IntoIterator<Item = &'a str>) -> Vec<St
     let first = names.into_iter().map(stem);
     first
         .map(|stem| {
-            let numbered = (2..).map(|n| format!("{stem}-{n}"));
-            let free = std::iter::once(stem.clone()).chain(numbered).find(|s| taken.insert(s.to_lowercase()));
-            free.expect("there is always a next number")
+            if taken.insert(stem.to_lowercase()) {
+                return stem;
+            }
+            let number = next.entry(stem.to_lowercase()).or_insert(2);
+            loop {
+                let numbered = format!("{stem}-{number}");
+                *number += 1;
+                if taken.insert(numbered.to_lowercase()) {
+                    return numbered;
+                }
+            }
         })
         .collect()
 }

@@ -171,6 +171,34 @@ fn show(dir: &Path, record: &ReportRecord, plots: bool, watched: bool) -> Result
     Ok(written)
 }
 
+/// The name of a file of a report.
+#[cfg(any(fuzzing, test))]
+pub(crate) fn file_named(name: &str) -> Option<&'static str> {
+    folder::FILES.into_iter().find(|known| *known == name)
+}
+
+/// Makes the page of a report that lies in memory, compares it with itself, and keeps nothing.
+#[cfg(any(fuzzing, test))]
+pub(crate) fn try_page(files: &[(&'static str, Vec<u8>)]) {
+    let record = record::read(Place::Memory(files));
+    let beside = index::Beside { plots: &|_| Vec::new(), pictures: &|_| Vec::new(), watched: false };
+    index::page(&record, &beside);
+    if let Ok(record) = read::read_from(Place::Memory(files)) {
+        let comparison = crate::trial::compare(&record, &record, &None);
+        for format in [ComparisonFormat::Text, ComparisonFormat::Markdown, ComparisonFormat::Json] {
+            comparison_text(&comparison, ["before", "after"], [&record, &record], format, true);
+        }
+    }
+}
+
+/// Draws the plots of a report that lies in memory, and keeps nothing.
+///
+/// - `pixels`: as pictures, too
+#[cfg(all(feature = "plots", any(fuzzing, test)))]
+pub(crate) fn try_plots(files: &[(&'static str, Vec<u8>)], pixels: bool) {
+    record::read(Place::Memory(files)).cases.iter().for_each(|case| plot::try_all(case, pixels));
+}
+
 /// The tables, in memory: nothing is written while any of them cannot be.
 fn csv_files(outcome: &RunOutcome) -> Result<Vec<(&'static str, Vec<u8>)>, ReportError> {
     fn filled<R>(

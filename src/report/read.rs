@@ -15,14 +15,19 @@ pub fn read(dir: &Path) -> Result<Record, ReportError> {
     if !dir.is_dir() {
         return Err(ReportError::NoReport { path: dir.to_owned(), missing: None });
     }
+    read_from(Place::Folder(dir))
+}
+
+/// The same, from wherever its files are.
+pub(super) fn read_from(place: Place) -> Result<Record, ReportError> {
     let mut record = Record::default();
-    if let Some(manifest) = manifest(Place::Folder(dir))? {
+    if let Some(manifest) = manifest(place)? {
         record.version = manifest.etendue_version;
         record.seed = manifest.seed.to_string();
         record.command = manifest.command;
         record.digests = manifest.cases.into_iter().map(|case| (case.name, case.digest)).collect();
     }
-    each(dir, "verdicts.csv", |row| {
+    each(place, "verdicts.csv", |row| {
         record.verdicts.push(RecordedVerdict {
             case: row.text("case")?.to_owned(),
             strategy: row.text("strategy")?.to_owned(),
@@ -34,7 +39,7 @@ pub fn read(dir: &Path) -> Result<Record, ReportError> {
         });
         Ok(())
     })?;
-    each(dir, "convergence.csv", |row| {
+    each(place, "convergence.csv", |row| {
         let interval = row.with_interval(["variance_W2_m4", "variance_low", "variance_high"])?;
         record.variances.push(RecordedVariance {
             case: row.text("case")?.to_owned(),
@@ -50,9 +55,9 @@ pub fn read(dir: &Path) -> Result<Record, ReportError> {
 }
 
 /// The same as [`Place::each`] of a table that has to be there.
-fn each(dir: &Path, file: &str, take: impl FnMut(&Row) -> Result<(), ReportError>) -> Result<(), ReportError> {
-    if Place::Folder(dir).each(file, take)? {
+fn each(place: Place, file: &str, take: impl FnMut(&Row) -> Result<(), ReportError>) -> Result<(), ReportError> {
+    if place.each(file, take)? {
         return Ok(());
     }
-    Err(ReportError::NoReport { path: dir.to_owned(), missing: Some(file.to_owned()) })
+    Err(ReportError::NoReport { path: place.path(""), missing: Some(file.to_owned()) })
 }

@@ -7,6 +7,7 @@ use super::folder::{VIEW_ENDING, VIEWS, file_stems, write_whole};
 use super::image::{self, Rgb, Tone, quantile};
 use super::plot::Scale;
 use super::record::CaseRecord;
+use crate::intake::VIEW_BYTES;
 use crate::trial::ReceiverViews;
 
 /// Errors are shown up to what all but one in two hundred stay below.
@@ -50,8 +51,12 @@ pub(super) fn write(dir: &Path, cases: &[CaseRecord], views: &[ReceiverViews]) -
 
 /// The pictures of one case that a report's folder has, each with what it shows: exact, estimates, errors.
 pub(super) fn of_case(dir: &Path, stem: &str, case: &CaseRecord) -> Vec<(String, Vec<u8>)> {
-    let of = |name: &str| std::fs::read(dir.join(VIEWS).join(format!("{stem}-{name}{VIEW_ENDING}"))).ok();
-    // Something else may lie under such a name; a page would show it broken.
+    // Something else may lie under such a name: a pipe would be waited for, a page would show it broken.
+    let of = |name: &str| {
+        let path = dir.join(VIEWS).join(format!("{stem}-{name}{VIEW_ENDING}"));
+        let what = std::fs::metadata(&path).ok().filter(|what| what.is_file() && what.len() <= VIEW_BYTES);
+        what.and_then(|_| std::fs::read(path).ok())
+    };
     let png = |name: &str| of(name).filter(|bytes| bytes.starts_with(b"\x89PNG\r\n\x1a\n"));
     let exact = png("exact").map(|bytes| ("exact".to_owned(), bytes));
     // A guest may be called what a picture is.

@@ -195,9 +195,9 @@ fn variances(
     }
     // In the order of the run before.
     let mut seen: Vec<(&str, &str, Variances)> = Vec::new();
+    let mut places: BTreeMap<(&str, &str), usize> = BTreeMap::new();
     for row in &before.variances {
-        let at = seen.iter().rposition(|(case, strategy, _)| *case == row.case && *strategy == row.strategy);
-        let at = at.unwrap_or_else(|| {
+        let at = *places.entry((&row.case, &row.strategy)).or_insert_with(|| {
             seen.push((&row.case, &row.strategy, Variances::new()));
             seen.len() - 1
         });
@@ -207,9 +207,8 @@ fn variances(
     for (case, strategy, old) in seen {
         let Some(renamed) = partner(strategy) else { continue };
         let Some(new) = new.get(&(case, renamed.as_str())) else { continue };
-        let Some((samples, _)) = old.keys().rev().find(|(samples, _)| new.keys().any(|(n, _)| n == samples)) else {
-            continue;
-        };
+        let has = |samples: &u64| new.range((*samples, 0)..=(*samples, u64::MAX)).next().is_some();
+        let Some((samples, _)) = old.keys().rev().find(|(samples, _)| has(samples)) else { continue };
         let points: Vec<[&RecordedVariance; 2]> = old
             .range((*samples, 0)..=(*samples, u64::MAX))
             .filter_map(|(key, one)| Some([*one, *new.get(key)?]))

@@ -145,7 +145,9 @@ impl Run<'_> {
             let _ = (self.tell)(Progress::Done { index, outcome: &outcome });
             Ok(outcome)
         });
-        let mut whole = RunOutcome::new(self.settings.seed, self.settings.command(&selectors, None));
+        // As far as any of them was let reach.
+        let reach = self.cases.iter().map(|case| case.reach.words()).max().unwrap_or_default();
+        let mut whole = RunOutcome::new(self.settings.seed, self.settings.command(&selectors, None) + reach);
         for (case, outcome) in self.cases.iter().zip(outcomes) {
             match outcome {
                 Ok(outcome) => whole.cases.push(outcome),
@@ -172,7 +174,7 @@ impl Run<'_> {
         } else {
             None
         };
-        let reproduce = settings.command(&[&case.selector], None);
+        let reproduce = settings.command(&[&case.selector], None) + case.reach.words();
         let quick = settings.effort == Effort::Quick;
         let light = light(case, settings.seed, quick, study.smallest_bias, &reproduce, &onlooker)?;
         let paths = indirect(case, settings.seed, quick, study.smallest_bias, &reproduce, &onlooker)?;
@@ -229,7 +231,7 @@ pub(super) fn from_ready(
             if let Some(estimators) = estimators {
                 prepared.estimator = &*estimators[&strategy.technique()];
             }
-            let reproduce = settings.command(&[&case.selector], Some(*strategy));
+            let reproduce = settings.command(&[&case.selector], Some(*strategy)) + case.reach.words();
             run_strategy(&prepared, study, *strategy, reproduce, onlooker)
         })
         .collect::<Result<_, Stopped>>()?;

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use etendue::case::{
-    Case, CaseError, CaseErrors, Ink, MeshFileFault, Mistake, Replicates, SelectError, Study, obj::ObjError, select,
-    shipped, shipped_direct,
+    Case, CaseError, CaseErrors, Ink, MeshFileFault, Mistake, Reach, Replicates, SelectError, Study, obj::ObjError,
+    select, select_reaching, shipped, shipped_direct,
 };
 use etendue::configuration::{Arrangement, ConfigurationError, GlassShape, Mirror, MirrorShape};
 use etendue::geometry::{DVec3, Shape, ShapeError};
@@ -367,7 +367,7 @@ fn lines_and_grids_lie_on_a_receiver() {
 fn more_points_than_memory_holds_are_refused() {
     let grid = SOUND.replace("[study]", "grid = [4096, 4096]\n[study]");
     let found = mistakes(&grid);
-    let error = CaseError::TooMany { what: "measurement points", said: (1 << 24) + 5, limit: 1 << 24 };
+    let error = CaseError::TooMany { what: "measurement points", said: (1 << 24) + 5, limit: 1 << 20 };
     assert_eq!(found.mistakes().iter().map(told).collect::<Vec<_>>(), [(22, 8, &error)]);
     assert!(error.to_string().contains("memory"), "{error}");
     let mistake = broken("points = 5", "points = 99999999999999999999");
@@ -749,6 +749,111 @@ fn meshes_are_read_beside_their_case_and_split() {
         matches!(&alone.mistakes()[0].error, CaseError::MeshFile { fault: MeshFileFault::Outside, .. }),
         "a file by itself has its own folder alone: {alone}"
     );
+    assert!(alone.to_string().contains("--allow-outside"), "{alone}");
+}
+
+#[test]
+fn a_case_reaches_outside_where_its_reader_lets_it() {
+    let above = with_mesh("file = \"../meshes/t.obj\"");
+    let folder = folder(&[("deep/a.toml", &above), ("meshes/t.obj", TRIANGLE)]);
+    let path = folder.path().join("deep/a.toml");
+    let n_occluders = |case: &Case| case.configuration.occluders().len();
+    let read = Case::read_reaching(&path, Reach::Anywhere).unwrap_or_else(|errors| panic!("{errors}"));
+    assert_eq!((n_occluders(&read), read.reach), (2, Reach::Anywhere));
+    let selectors = [path.to_str().unwrap().to_owned()];
+    assert!(matches!(select(&selectors), Err(SelectError::Faulty { .. })));
+    let selected = select_reaching(&selectors, Reach::Anywhere).unwrap();
+    assert_eq!(selected, [read]);
+    let absolute = with_mesh(&format!("file = {:?}", folder.path().join("meshes/t.obj").to_str().unwrap()));
+    std::fs::write(&path, absolute).unwrap();
+    let found = Case::read_reaching(&path, Reach::Inside).unwrap_err();
+    assert!(
+        matches!(&found.mistakes()[0].error, CaseError::MeshFile { fault: MeshFileFault::Absolute, .. }),
+        "{found}"
+    );
+    assert_eq!(n_occluders(&Case::read_reaching(&path, Reach::Anywhere).unwrap()), 2);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_link_leads_no_case_out_of_its_folder() {
+    use std::os::unix::fs::symlink;
+    let folder = folder(&[("rooms/a.toml", &with_mesh("file = \"t.obj\"")), ("elsewhere/t.obj", TRIANGLE)]);
+    let rooms = folder.path().join("rooms");
+    symlink("../elsewhere/t.obj", rooms.join("t.obj")).unwrap();
+    let found = Case::read(&rooms.join("a.toml")).unwrap_err();
+    let [mistake] = found.mistakes() else { panic!("{found}") };
+    assert_eq!((mistake.line(), mistake.column()), (15, 8));
+    assert!(matches!(&mistake.error, CaseError::MeshFile { fault: MeshFileFault::LinkedOutside, .. }), "{found}");
+    assert!(Case::read_reaching(&rooms.join("a.toml"), Reach::Anywhere).is_ok());
+    // The folder that holds both was given: the link leads about in it.
+    assert_eq!(Case::read_folder(folder.path()).map(|cases| cases.len()), Ok(1));
+}
+
+/// A pipe has no end until somebody writes to it: it would be waited for.
+#[cfg(unix)]
+#[test]
+fn a_pipe_is_waited_for_by_nobody() {
+    let folder = folder(&[("a.toml", &with_mesh("file = \"t.obj\""))]);
+    for name in ["t.obj", "b.toml"] {
+        assert!(std::process::Command::new("mkfifo").arg(folder.path().join(name)).status().unwrap().success());
+    }
+    for reach in [Reach::Inside, Reach::Anywhere] {
+        let found = Case::read_reaching(&folder.path().join("a.toml"), reach).unwrap_err();
+        let error = &found.mistakes()[0].error;
+        assert!(matches!(error, CaseError::MeshFile { fault: MeshFileFault::NoFile, .. }), "{found}");
+    }
+    let faulty = Case::read_folder(folder.path()).unwrap_err();
+    assert_eq!(faulty.len(), 1, "b.toml is no file");
+}
+
+#[test]
+fn what_a_case_asks_for_in_all_is_counted() {
+    let told = |text: &str| {
+        let found = mistakes(text);
+        assert!(found.mistakes().len() < 5, "{found}");
+        found.mistakes().last().unwrap().error.clone()
+    };
+    let many = |error: &CaseError, what: &str| matches!(error, CaseError::TooMany { what: said, .. } if said.starts_with(what));
+    let shapes = told(&format!("{SOUND}{}", "[[occluder.sphere]]\n".repeat(1 << 14)));
+    assert!(many(&shapes, "shapes and lamps"), "{shapes}");
+    let optics = told(&format!("{SOUND}{}", "[[glass.sphere]]\n".repeat(1025)));
+    assert!(many(&optics, "mirrors, pieces of glass"), "{optics}");
+    let checker = "[[source.rectangle]]\ncenter = [0, 0, 9]\nedge_u = [1, 0, 0]\nedge_v = [0, 1, 0]\n\
+                   exitance = { checker = [1024, 1024] }\n";
+    let texels = told(&format!("{SOUND}{}", checker.repeat(5)));
+    assert!(many(&texels, "texels in this case"), "{texels}");
+    let spheres = "[[occluder.sphere]]\ncenter = [0, 0, 99]\nradius = 1\n".repeat(300);
+    let pairs = told(&format!("{}{spheres}", SOUND.replace("[study]", "grid = [1024, 1000]\n[study]")));
+    assert!(many(&pairs, "pairs of a measurement point and a surface"), "{pairs}");
+    let samples: String = (1..=1001).map(|n| format!("{n},")).collect();
+    let entries = broken("samples = [16, 4]", &format!("samples = [{samples}]"));
+    assert!(many(&entries.error, "entries"), "{entries}");
+}
+
+#[test]
+fn mistakes_beyond_what_anybody_reads_are_counted() {
+    let found = mistakes(&SOUND.replace("[study]", &format!("grid = [{}]\n[study]", "nan,".repeat(20_000))));
+    let last = found.mistakes().last().unwrap();
+    assert!(matches!(last.error, CaseError::More { more: 10_001 }), "{last}");
+    let told = found.render(Ink::Plain);
+    assert!(told.contains("19801 more mistakes in the same file"), "those that are not drawn, and those not kept");
+    let place = found.mistakes()[1].place.to_string();
+    assert!(told.contains(&place), "a line that is too long to be drawn keeps its place: {place}");
+    assert!(told.len() < 200_000, "{} bytes", told.len());
+}
+
+#[test]
+fn nesting_ends_where_the_papers_say() {
+    use etendue::intake::CASE_DEPTH;
+    let depth = usize::try_from(CASE_DEPTH).unwrap();
+    let nested = |n: usize| mistakes(&format!("a = {}{}", "[".repeat(n), "]".repeat(n)));
+    let dotted = |n: usize| mistakes(&format!("{} = 1", vec!["a"; n].join(".")));
+    let is_syntax = |found: &CaseErrors| found.mistakes().iter().any(|m| matches!(m.error, CaseError::Syntax { .. }));
+    for read in [&nested as &dyn Fn(usize) -> CaseErrors, &dotted] {
+        assert!(!is_syntax(&read(depth - 1)), "{}", read(depth - 1));
+        assert!(is_syntax(&read(depth + 2)), "{}", read(depth + 2));
+    }
 }
 
 #[test]
@@ -843,9 +948,9 @@ fn all_faulty_files_are_told_together() {
     let found = Case::read(&folder.path().join("latin1.toml")).unwrap_err();
     assert!(matches!(found.mistakes(), [one] if one.error == CaseError::NotText && one.column() == 13), "{found}");
     let large = std::fs::File::create(folder.path().join("large.toml")).unwrap();
-    large.set_len((16 << 20) + 1).unwrap();
+    large.set_len((4 << 20) + 1).unwrap();
     let found = Case::read(&folder.path().join("large.toml")).unwrap_err();
-    assert_eq!(found.mistakes()[0].error, CaseError::TooLarge { limit: 16 << 20 });
+    assert_eq!(found.mistakes()[0].error, CaseError::TooLarge { limit: 4 << 20 });
     let found = Case::read(&folder.path().join("missing.toml")).unwrap_err();
     assert!(matches!(found.mistakes()[0].error, CaseError::Unreadable { .. }), "{found}");
 }

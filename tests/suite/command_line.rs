@@ -556,3 +556,48 @@ fn the_growth_of_cost_is_measured_fitted_and_drawn() {
     let page = std::fs::read_to_string(out.join("growth.html")).expect("a page");
     assert!(page.starts_with("<!DOCTYPE html>") && page.matches("<svg").count() == 6);
 }
+
+#[test]
+fn a_case_names_files_outside_of_its_folder_only_where_that_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("room")).unwrap();
+    write(folder.path(), "sail.obj", "v 5 0 1\nv 6 0 1\nv 5 1 1\nf 1 2 3\n");
+    let case = write(folder.path(), "room/a.toml", &format!("{SMALL}[[occluder.mesh]]\nfile = \"../sail.obj\"\n"));
+    let out = folder.path().join("report");
+    let out = out.to_str().unwrap();
+    let (scene, other) = (folder.path().join("scene"), folder.path().join("other"));
+    let estimates = write(folder.path(), "e.csv", "0,0,1,1\n");
+    let (scene, other) = (scene.to_str().unwrap(), other.to_str().unwrap());
+    // Every command that reads cases, and its exit code where the mesh may be read.
+    let commands: [(&[&str], i32); 9] = [
+        (&["check"], 0),
+        (&["list"], 0),
+        (&["exact"], 0),
+        (&["plan", "--quick"], 0),
+        (&["run", "--quick", "--no-plots", "--out", out], 0),
+        (&["judge", "--ask", "--replicates", "2"], 0),
+        (&["verify", "--out", other], 2),
+        (&["export", "--for", "json", "-o", scene], 0),
+        #[cfg(feature = "plots")]
+        (&["render", "-o", other], 2),
+    ];
+    for (words, code) in commands {
+        let command = || {
+            let mut command = etendue();
+            command.arg(words[0]).arg(&case).args(&words[1..]);
+            if words[0] == "verify" {
+                command.arg(&estimates);
+            }
+            command
+        };
+        command().assert().code(2).stderr(contains("`../sail.obj` leaves the folder of the cases"));
+        let allowed = command().arg("--allow-outside").assert().code(code);
+        allowed.stderr(contains("leaves the folder").not());
+    }
+    let verdicts = rows(&Path::new(out).join("verdicts.csv"));
+    assert!(verdicts.iter().all(|row| row["reproduce"].ends_with(" --allow-outside")), "{verdicts:?}");
+    let manifest = std::fs::read_to_string(Path::new(out).join("manifest.json")).unwrap();
+    assert!(manifest.contains("--allow-outside\""), "{manifest}");
+    // The folder that holds both is given: nothing is outside.
+    etendue().args(["check", folder.path().to_str().unwrap()]).assert().code(0);
+}

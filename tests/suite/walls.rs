@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 const ROOMS: &[(&str, u8, Wing)] = &[
     ("main", 12, Wing::Shared),
     ("cli", 11, Wing::Shared),
+    ("fuzzing", 11, Wing::Shared),
     ("report", 10, Wing::Shared),
     ("calibration", 9, Wing::Shared),
     ("guest", 9, Wing::Shared),
@@ -30,6 +31,7 @@ const ROOMS: &[(&str, u8, Wing)] = &[
     ("geometry", 1, Wing::Shared),
     ("statistics", 1, Wing::Shared),
     ("errors", 0, Wing::Shared),
+    ("intake", 0, Wing::Shared),
     ("number", 0, Wing::Shared),
     ("threads", 0, Wing::Shared),
 ];

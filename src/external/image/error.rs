@@ -4,8 +4,6 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
-use super::MOST_VALUES;
-
 /// Why images were refused.
 #[derive(Debug, Error)]
 #[non_exhaustive]
@@ -18,7 +16,7 @@ pub enum ImageError {
     Broken { path: PathBuf, what: String },
     #[error("{}: it holds {found}; the manifest says {width} x {height} pixels (columns x rows)", path.display())]
     Size { path: PathBuf, found: String, width: usize, height: usize },
-    #[error("{}: {images} images by now; {most} of this size are held in memory (2^{})", path.display(), MOST_VALUES.ilog2())]
+    #[error("{}: {images} images by now; {most} of this size are held in memory", path.display())]
     TooMany { path: PathBuf, images: usize, most: usize },
     #[error("{}: {count} of {of} pixels of image {image} (counted from 0, over all files) are no finite numbers: {places}", path.display())]
     NotFinite { path: PathBuf, image: usize, count: usize, of: usize, places: String },

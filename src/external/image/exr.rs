@@ -9,12 +9,7 @@ use exr::prelude::*;
 
 use super::error::ImageError;
 use super::{Sink, grey};
-
-/// A header is looked for in so many bytes.
-const LONGEST_HEADER: u64 = 1 << 22;
-/// Channels of one part, and parts of one file, at most.
-const MOST_CHANNELS: usize = 64;
-const MOST_PARTS: usize = 4096;
+use crate::intake::{EXR_CHANNELS, EXR_HEADER, EXR_PARTS, IMAGE_VALUES};
 
 pub(super) fn read(path: &Path, mut file: impl Read + Seek, sink: &mut Sink) -> std::result::Result<(), ImageError> {
     let broken = |what: String| ImageError::Broken { path: path.to_owned(), what };
@@ -25,11 +20,11 @@ pub(super) fn read(path: &Path, mut file: impl Read + Seek, sink: &mut Sink) -> 
         broken(format!("no valid OpenEXR: the decoder gave up ({said})"))
     };
     let meta = catch_unwind(AssertUnwindSafe(|| {
-        MetaData::read_from_buffered(std::io::BufReader::new(file.by_ref().take(LONGEST_HEADER)), false)
+        MetaData::read_from_buffered(std::io::BufReader::new(file.by_ref().take(EXR_HEADER)), false)
     }));
     let meta = meta.map_err(guarded)?.map_err(|error| broken(format!("no valid OpenEXR header: {error}")))?;
-    if meta.headers.len() > MOST_PARTS {
-        return Err(broken(format!("{} parts; up to {MOST_PARTS} are accepted", meta.headers.len())));
+    if meta.headers.len() as u64 > EXR_PARTS {
+        return Err(broken(format!("{} parts; up to {EXR_PARTS} are accepted", meta.headers.len())));
     }
     for header in &meta.headers {
         let size = header.layer_size;
@@ -40,8 +35,8 @@ pub(super) fn read(path: &Path, mut file: impl Read + Seek, sink: &mut Sink) -> 
             return Err(broken("a part of it is deep: many samples a pixel; accepted: flat images".to_owned()));
         }
         let channels = &header.channels.list;
-        if channels.len() > MOST_CHANNELS {
-            return Err(broken(format!("{} channels; up to {MOST_CHANNELS} are accepted", channels.len())));
+        if channels.len() as u64 > EXR_CHANNELS {
+            return Err(broken(format!("{} channels; up to {EXR_CHANNELS} are accepted", channels.len())));
         }
         if let Some(channel) = channels.iter().find(|channel| channel.sampling != Vec2(1, 1)) {
             return Err(broken(format!("channel {} has fewer pixels than the image", channel.name)));
@@ -50,7 +45,7 @@ pub(super) fn read(path: &Path, mut file: impl Read + Seek, sink: &mut Sink) -> 
     // At most 64 channels more than one a part are ever held beside what is kept.
     sink.room_for(path, meta.headers.len())?;
     let all: usize = meta.headers.iter().map(|header| header.channels.list.len()).sum();
-    if all.saturating_mul(sink.n_pixels()) > 2 * super::MOST_VALUES {
+    if all.saturating_mul(sink.n_pixels()) as u64 > 2 * IMAGE_VALUES {
         return Err(broken(format!("{all} channels of this size are too many to be held")));
     }
     file.rewind().map_err(|source| ImageError::Unreadable { path: path.to_owned(), source })?;

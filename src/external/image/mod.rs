@@ -12,14 +12,15 @@ mod pfm;
 use std::collections::HashMap;
 use std::fs::File;
 use std::hash::{DefaultHasher, Hash, Hasher};
-use std::io::{BufReader, Read, Seek, SeekFrom};
+#[cfg(any(fuzzing, test))]
+use std::io;
+use std::io::{BufRead, BufReader, Read, Seek};
 use std::path::{Path, PathBuf};
 
 pub use error::ImageError;
 pub use pfm::pfm;
 
-/// Numbers of images that are held in memory at most: 256 MiB of them.
-pub const MOST_VALUES: usize = 1 << 25;
+use crate::intake::{IMAGE_VALUES, IMAGES};
 
 /// Images of one size, in the order of their files.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,7 +44,20 @@ impl Stack {
         for path in paths {
             read_file(path, &mut sink)?;
         }
-        let Sink { values, variances, is_half, .. } = sink;
+        Stack::of(sink, paths)
+    }
+
+    /// The same of a file that lies in memory.
+    #[cfg(any(fuzzing, test))]
+    pub(crate) fn from_memory(bytes: &[u8], [width, height]: [usize; 2]) -> Result<Stack, ImageError> {
+        let path = PathBuf::from("memory");
+        let mut sink = Sink::new(width, height);
+        read_open(&path, io::Cursor::new(bytes), bytes.len() as u64, &mut sink)?;
+        Stack::of(sink, &[path])
+    }
+
+    fn of(sink: Sink, paths: &[PathBuf]) -> Result<Stack, ImageError> {
+        let Sink { width, height, values, variances, is_half } = sink;
         let mut stack = Stack { width, height, values, variance: None, is_half };
         if stack.n_images() == 1 {
             stack.variance = variances.into_iter().next();
@@ -125,7 +139,7 @@ impl Sink {
 
     /// Whether so many more images may come; else the error that says it.
     fn room_for(&self, path: &Path, images: usize) -> Result<(), ImageError> {
-        let most = MOST_VALUES / self.n_pixels().max(1);
+        let most = (IMAGE_VALUES as usize / self.n_pixels().max(1)).min(IMAGES as usize);
         let held = self.values.len() / self.n_pixels().max(1);
         if images > most.saturating_sub(held) {
             return Err(ImageError::TooMany { path: path.to_owned(), images: held.saturating_add(images), most });
@@ -178,18 +192,25 @@ fn grey(channels: [f64; 3]) -> f64 {
 
 fn read_file(path: &Path, sink: &mut Sink) -> Result<(), ImageError> {
     let unreadable = |source| ImageError::Unreadable { path: path.to_owned(), source };
-    let mut file = File::open(path).map_err(unreadable)?;
+    let file = File::open(path).map_err(unreadable)?;
     let meta = file.metadata().map_err(unreadable)?;
     if !meta.is_file() {
         return Err(ImageError::Foreign { path: path.to_owned(), what: "it is no file" });
     }
+    read_open(path, BufReader::new(file), meta.len(), sink)
+}
+
+/// Reads images from the start of what is open.
+///
+/// - `path`: what it is called in errors; `length`: its bytes
+fn read_open(path: &Path, mut reader: impl BufRead + Seek, length: u64, sink: &mut Sink) -> Result<(), ImageError> {
+    let unreadable = |source| ImageError::Unreadable { path: path.to_owned(), source };
     let mut magic = Vec::new();
-    file.by_ref().take(8).read_to_end(&mut magic).map_err(unreadable)?;
-    file.seek(SeekFrom::Start(0)).map_err(unreadable)?;
-    let mut reader = BufReader::new(file);
+    reader.by_ref().take(8).read_to_end(&mut magic).map_err(unreadable)?;
+    reader.rewind().map_err(unreadable)?;
     match magic.as_slice() {
-        [0x93, b'N', b'U', b'M', b'P', b'Y', ..] => npy::read(path, &mut reader, meta.len(), sink),
-        [b'P', b'F' | b'f', ..] => pfm::read(path, &mut reader, meta.len(), sink),
+        [0x93, b'N', b'U', b'M', b'P', b'Y', ..] => npy::read(path, &mut reader, length, sink),
+        [b'P', b'F' | b'f', ..] => pfm::read(path, &mut reader, length, sink),
         [0x76, 0x2f, 0x31, 0x01, ..] => read_exr(path, reader, sink),
         [] => Err(ImageError::Foreign { path: path.to_owned(), what: "it is empty" }),
         [0x89, b'P', b'N', b'G', ..] | [0xff, 0xd8, ..] | [b'B', b'M', ..] => Err(ImageError::Foreign {
@@ -201,11 +222,11 @@ fn read_file(path: &Path, sink: &mut Sink) -> Result<(), ImageError> {
 }
 
 #[cfg(feature = "plots")]
-fn read_exr(path: &Path, reader: BufReader<File>, sink: &mut Sink) -> Result<(), ImageError> {
+fn read_exr(path: &Path, reader: impl Read + Seek, sink: &mut Sink) -> Result<(), ImageError> {
     exr::read(path, reader, sink)
 }
 #[cfg(not(feature = "plots"))]
-fn read_exr(path: &Path, _: BufReader<File>, _: &mut Sink) -> Result<(), ImageError> {
+fn read_exr(path: &Path, _: impl Read + Seek, _: &mut Sink) -> Result<(), ImageError> {
     Err(ImageError::Foreign {
         path: path.to_owned(),
         what: "this build, without the feature `plots`, reads no OpenEXR",

@@ -8,9 +8,7 @@ use std::path::Path;
 
 use super::error::ImageError;
 use super::{Sink, grey};
-
-/// Longer headers are no headers of plain arrays.
-const LONGEST_HEADER: usize = 1 << 12;
+use crate::intake::NPY_HEADER;
 
 /// How one number is kept.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,8 +30,8 @@ pub(super) fn read(path: &Path, reader: &mut dyn Read, length: u64, sink: &mut S
         }
         version => return Err(broken(format!("NPY version {version}; 1 to 3 are known"))),
     };
-    if header_length > LONGEST_HEADER {
-        return Err(broken(format!("a header of {header_length} bytes; up to {LONGEST_HEADER} are accepted")));
+    if header_length as u64 > NPY_HEADER {
+        return Err(broken(format!("a header of {header_length} bytes; up to {NPY_HEADER} are accepted")));
     }
     let mut header = vec![0; header_length];
     fill(path, reader, &mut header)?;

@@ -6,9 +6,7 @@ use std::path::Path;
 
 use super::error::ImageError;
 use super::{Sink, grey};
-
-/// No word of a header is longer.
-const LONGEST_WORD: usize = 32;
+use crate::intake::PFM_WORD;
 
 /// A grey picture as a file of this kind, little-endian.
 ///
@@ -31,7 +29,7 @@ pub(super) fn read(path: &Path, reader: &mut dyn BufRead, length: u64, sink: &mu
             match byte[0] {
                 b' ' | b'\t' | b'\r' | b'\n' if word.is_empty() => {}
                 b' ' | b'\t' | b'\r' | b'\n' => return Ok(word),
-                c if c.is_ascii_graphic() && word.len() < LONGEST_WORD => word.push(char::from(c)),
+                c if c.is_ascii_graphic() && (word.len() as u64) < PFM_WORD => word.push(char::from(c)),
                 _ => return Err(broken(format!("its {what} is no word of a PFM header"))),
             }
         }

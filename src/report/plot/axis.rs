@@ -26,8 +26,8 @@ pub struct Axis {
 impl Axis {
     /// From `low` to `high`, both ends widened to pleasant values if `round`.
     pub fn linear(low: f64, high: f64, round: bool, about: usize) -> Axis {
-        let (low, high) =
-            if high > low { (low, high) } else { (low - 0.5 * scale_of(low), low + 0.5 * scale_of(low)) };
+        let half = (0.5 * scale_of(low)).max(SHORTEST);
+        let (low, high) = if high - low > SHORTEST { (low, high) } else { (low - half, low + half) };
         let step = pleasant_step((high - low) / about as f64);
         let (low, high) =
             if round { ((low / step).floor() * step, (high / step).ceil() * step) } else { (low, high) };
@@ -145,6 +145,9 @@ impl Axis {
     }
 }
 
+/// What is shorter is empty: a tenth of it is still a number to all its digits.
+const SHORTEST: f64 = 1e-300;
+
 /// A length to open an empty range with.
 fn scale_of(x: f64) -> f64 {
     if x == 0.0 { 1.0 } else { x.abs() }
@@ -240,9 +243,13 @@ mod tests {
 
     #[test]
     fn an_empty_range_still_makes_an_axis() {
-        for x in [0.0, 1.0, -3e-9] {
+        for x in [0.0, 1.0, -3e-9, 5e-324, -1e-310, 1e-300, 1e300] {
             let axis = Axis::linear(x, x, true, 5);
-            assert!(axis.low() < x && axis.high() > x && axis.ticks.len() > 1, "{axis:?}");
+            assert!(axis.low() < x && axis.high() > x && (2..20).contains(&axis.ticks.len()), "{axis:?}");
+        }
+        for (low, high) in [(0.0, 5e-324), (-1e-323, 1e-323), (1.0, 1.0 + f64::EPSILON), (-1e300, 1e300)] {
+            let axis = Axis::linear(low, high, true, 5);
+            assert!(axis.low() <= low && axis.high() >= high && (2..20).contains(&axis.ticks.len()), "{axis:?}");
         }
     }
 }

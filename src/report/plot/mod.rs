@@ -47,19 +47,32 @@ pub(super) fn write_all(dir: &Path, report: &ReportRecord) -> Result<Vec<PathBuf
     Ok(by_case?.into_iter().flatten().collect())
 }
 
+/// What is drawn of a case, in the order of [`PLOT_KINDS`].
+const PLOTS: [fn(&CaseRecord) -> Option<ink::Page>; 8] = [
+    variance::variance,
+    bias::bias,
+    profile::profile,
+    map::map,
+    correlation::correlation,
+    caustic::caustic,
+    energy::energy,
+    texels::texels,
+];
+
+/// Draws all that is drawn of a case, and keeps nothing.
+#[cfg(any(fuzzing, test))]
+pub(super) fn try_all(case: &CaseRecord, pixels: bool) {
+    for page in PLOTS.into_iter().filter_map(|draw| draw(case)) {
+        svg::svg(&page);
+        if pixels {
+            let _ = drawn_picture(&page);
+        }
+    }
+}
+
 fn write_case(dir: &Path, stem: &str, case: &CaseRecord) -> Result<Vec<PathBuf>, ReportError> {
-    let draw: [fn(&CaseRecord) -> Option<ink::Page>; 8] = [
-        variance::variance,
-        bias::bias,
-        profile::profile,
-        map::map,
-        correlation::correlation,
-        caustic::caustic,
-        energy::energy,
-        texels::texels,
-    ];
     let mut written = Vec::new();
-    for (draw, kind) in draw.into_iter().zip(PLOT_KINDS) {
+    for (draw, kind) in PLOTS.into_iter().zip(PLOT_KINDS) {
         let Some(page) = draw(case) else { continue };
         for (format, bytes) in [("svg", svg(&page)), ("png", png(&page))] {
             let name = format!("{stem}-{kind}.{format}");

@@ -11,6 +11,7 @@ use super::{
 };
 use crate::configuration::{Arrangement, Role, Stroke};
 use crate::geometry::DVec3;
+use crate::intake::{REPORT_CASES, SERIES, STRATEGIES};
 use crate::oracle::Region;
 use crate::report::ReportError;
 use crate::statistics::Verdict;
@@ -38,9 +39,10 @@ pub(in crate::report) struct ManifestCase {
     pub line: bool,
 }
 
+const FILE: &str = "manifest.json";
+
 /// `None` where there is no manifest.
 pub(in crate::report) fn manifest(place: Place) -> Result<Option<Manifest>, ReportError> {
-    const FILE: &str = "manifest.json";
     let Some(mut opened) = place.open(FILE)? else { return Ok(None) };
     let mut text = String::new();
     let path = place.path(FILE);
@@ -107,7 +109,13 @@ impl Reader {
                 self.record.seed = manifest.seed.to_string();
                 self.record.command = manifest.command;
                 for told in manifest.cases {
-                    let case = self.case_named(&told.name);
+                    let Some(case) = self.case_named(&told.name) else {
+                        let path = place.path(FILE).display().to_string();
+                        self.record
+                            .faults
+                            .push(format!("{path}: more than {REPORT_CASES} cases. The others are left out."));
+                        break;
+                    };
                     case.digest = told.digest;
                     if !told.title.is_empty() {
                         case.title = told.title;
@@ -122,23 +130,32 @@ impl Reader {
         }
     }
 
-    fn case_named(&mut self, name: &str) -> &mut CaseRecord {
+    /// `None` where there are too many already.
+    fn case_named(&mut self, name: &str) -> Option<&mut CaseRecord> {
         let cases = &mut self.record.cases;
-        let place = *self.by_name.entry(name.to_owned()).or_insert_with(|| {
-            cases.push(CaseRecord::named(name));
-            cases.len() - 1
-        });
-        &mut cases[place]
+        if let Some(place) = self.by_name.get(name) {
+            return Some(&mut cases[*place]);
+        }
+        if cases.len() as u64 >= REPORT_CASES {
+            return None;
+        }
+        self.by_name.insert(name.to_owned(), cases.len());
+        cases.push(CaseRecord::named(name));
+        cases.last_mut()
     }
 
     fn case(&mut self, row: &Row) -> Result<&mut CaseRecord, ReportError> {
-        Ok(self.case_named(row.text("case")?))
+        self.case_named(row.text("case")?).ok_or_else(|| row.too_many("cases", REPORT_CASES))
     }
 
     fn strategy(&mut self, row: &Row) -> Result<&mut StrategyRecord, ReportError> {
         let name = row.text("strategy")?.to_owned();
         let made = &mut self.case(row)?.strategies;
-        let place = made.iter().position(|strategy| strategy.name == name).unwrap_or_else(|| {
+        let found = made.iter().position(|strategy| strategy.name == name);
+        if found.is_none() && made.len() as u64 >= STRATEGIES {
+            return Err(row.too_many("strategies of a case", STRATEGIES));
+        }
+        let place = found.unwrap_or_else(|| {
             let (cells, rates, correlations) = (Vec::new(), Vec::new(), Vec::new());
             made.push(StrategyRecord { name, cells, rates, correlations });
             made.len() - 1
@@ -170,6 +187,9 @@ impl Reader {
         }
         let strategy = self.strategy(row)?;
         if strategy.cells.last().is_none_or(|cell| cell.samples != samples || point == 0) {
+            if strategy.cells.len() as u64 >= SERIES {
+                return Err(row.too_many("sample counts of a strategy", SERIES));
+            }
             strategy.cells.push(CellRecord { samples, replicates, points: Vec::new(), mean_bias: None });
         }
         let cell = strategy.cells.last_mut().expect("one was pushed");
@@ -201,7 +221,11 @@ impl Reader {
             line: None,
             points: Vec::new(),
         };
-        self.strategy(row)?.rates.push(rate);
+        let rates = &mut self.strategy(row)?.rates;
+        if rates.len() as u64 >= SERIES {
+            return Err(row.too_many("slopes of a strategy", SERIES));
+        }
+        rates.push(rate);
         Ok(())
     }
 

@@ -1,14 +1,13 @@
 //! Tables read back, row by row: every field is asked for by its column's name, and what cannot be says where it stands.
 
+use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::io::{self, BufReader, ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
+use crate::intake::{COLUMNS, MANIFEST_BYTES, ROW_BYTES, TABLE_BYTES};
 use crate::report::ReportError;
 use crate::statistics::Interval;
-
-/// A file larger than this is no table of ours: bytes.
-const LARGEST: u64 = 4 << 30;
 
 /// Where the files of a report are.
 #[derive(Clone, Copy, Debug)]
@@ -36,18 +35,26 @@ impl Place<'_> {
             }
             Place::Folder(dir) => {
                 let path = dir.join(file);
-                let opened = std::fs::File::open(&path).and_then(|opened| Ok((opened.metadata()?, opened)));
-                match opened {
+                let limit = if file.ends_with(".json") { MANIFEST_BYTES } else { TABLE_BYTES };
+                // Before it is opened: a pipe would be waited for.
+                match std::fs::metadata(&path) {
                     Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
                     Err(source) => Err(ReportError::Unreadable { path, source }),
-                    Ok((what, _)) if what.is_dir() => {
+                    Ok(what) if what.is_dir() => {
                         Err(ReportError::Unreadable { path, source: io::Error::from(ErrorKind::IsADirectory) })
                     }
-                    Ok((what, _)) if what.len() > LARGEST => {
-                        let reason = format!("{} bytes are more than a file of a report has", what.len());
+                    Ok(what) if !what.is_file() => {
+                        let source = io::Error::new(ErrorKind::InvalidInput, "it is no regular file");
+                        Err(ReportError::Unreadable { path, source })
+                    }
+                    Ok(what) if what.len() > limit => {
+                        let reason = format!("{} bytes; up to {limit} are accepted", what.len());
                         Err(ReportError::NotOurs { path, line: 1, reason })
                     }
-                    Ok((_, opened)) => Ok(Some(Box::new(BufReader::new(opened)))),
+                    Ok(_) => match std::fs::File::open(&path) {
+                        Ok(opened) => Ok(Some(Box::new(BufReader::new(opened)))),
+                        Err(source) => Err(ReportError::Unreadable { path, source }),
+                    },
                 }
             }
         }
@@ -62,9 +69,10 @@ impl Place<'_> {
     ) -> Result<bool, ReportError> {
         let Some(opened) = self.open(file)? else { return Ok(false) };
         let path = self.path(file);
-        let broken = |error: csv::Error| ReportError::NotOurs {
+        // Of what cannot be read at all, the row before is known.
+        let broken = |error: csv::Error, before: u64| ReportError::NotOurs {
             path: path.clone(),
-            line: error.position().map_or(0, csv::Position::line),
+            line: error.position().map_or(before, csv::Position::line),
             reason: match error.kind() {
                 csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
                     format!("{len} fields where the header has {expected_len}: is the file whole?")
@@ -72,16 +80,45 @@ impl Place<'_> {
                 _ => error.to_string(),
             },
         };
-        let mut reader = csv::Reader::from_reader(opened);
-        let headers = reader.headers().map_err(broken)?;
+        let left = Cell::new(ROW_BYTES);
+        let mut reader = csv::Reader::from_reader(Metered { inner: opened, left: &left });
+        let headers = reader.headers().map_err(|error| broken(error, 1))?;
+        if headers.len() as u64 > COLUMNS {
+            let reason = format!("{} columns; up to {COLUMNS} are accepted", headers.len());
+            return Err(ReportError::NotOurs { path, line: 1, reason });
+        }
         let columns = headers.iter().enumerate().map(|(place, name)| (name.to_owned(), place)).collect();
         let mut fields = csv::StringRecord::new();
-        while reader.read_record(&mut fields).map_err(broken)? {
+        loop {
+            left.set(ROW_BYTES);
+            let before = reader.position().line();
+            if !reader.read_record(&mut fields).map_err(|error| broken(error, before))? {
+                return Ok(true);
+            }
             take(&Row { path: &path, columns: &columns, fields: &fields })?;
         }
-        Ok(true)
     }
 }
+
+/// What a row may still take: rows are held as a whole, and a quote that is never closed makes one of all that follows.
+struct Metered<'a, R> {
+    inner: R,
+    left: &'a Cell<u64>,
+}
+
+impl<R: Read> Read for Metered<'_, R> {
+    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
+        if self.left.get() == 0 {
+            return Err(io::Error::new(ErrorKind::InvalidData, TOO_LONG));
+        }
+        let most = into.len().min(self.left.get() as usize);
+        let read = self.inner.read(&mut into[..most])?;
+        self.left.set(self.left.get() - read as u64);
+        Ok(read)
+    }
+}
+
+const TOO_LONG: &str = "a row goes on for more than a mebibyte, the most that is accepted: is a quote left open?";
 
 /// A row of a table.
 pub(in crate::report) struct Row<'a> {
@@ -109,6 +146,11 @@ impl Row<'_> {
             line: self.fields.position().map_or(0, csv::Position::line),
             reason: format!("`{column}` says `{}`; {due} is due", shortened(said)),
         }
+    }
+
+    pub fn too_many(&self, what: &str, limit: u64) -> ReportError {
+        let line = self.fields.position().map_or(0, csv::Position::line);
+        ReportError::NotOurs { path: self.path.clone(), line, reason: format!("more than {limit} {what}") }
     }
 
     pub fn count(&self, column: &str) -> Result<u64, ReportError> {

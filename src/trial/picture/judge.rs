@@ -285,7 +285,7 @@ impl Plan {
             smallest_bias_point: worst,
             words,
             note: None,
-            reproduce: settings.command(&case.selector),
+            reproduce: settings.command(&case.selector) + case.reach.words(),
         }
     }
 }
