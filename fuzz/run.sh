@@ -9,7 +9,7 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-# target     share  longest  seconds an input may take (shares of ten thousand: what is quick gets many)
+# target     share  longest  seconds an input may take (what is quick gets many)
 TARGETS="
 case          600     4096     10
 obj          1500     4096     10
@@ -73,20 +73,29 @@ words() {
     esac | sed 's/["\\]/\\&/g; s/.*/"&"/' | grep -v '^""$' >"fuzz/corpus/$1.dict" || true
 }
 
+is_chosen() { [[ ${#chosen[@]} == 0 || " ${chosen[*]} " == *" $1 "* ]]; }
+# The shares of those that are chosen, together.
+whole=0
+while read -r target share _; do
+    if [[ -n $target ]] && is_chosen "$target"; then whole=$((whole + share)); fi
+done <<<"$TARGETS"
+[[ $whole -gt 0 ]] || { echo "no such target; there are$(awk 'NF { printf " %s", $1 }' <<<"$TARGETS")" >&2; exit 2; }
+
 cargo +nightly fuzz build --fuzz-dir fuzz -s "$sanitizer"
 
 total=0 findings=0 begin=$SECONDS
 printf '%-10s %12s %8s %10s %9s\n' target executions seconds 'per second' findings
 while read -r target share longest seconds; do
     [[ -n $target ]] || continue
-    [[ ${#chosen[@]} == 0 || " ${chosen[*]} " == *" $target "* ]] || continue
-    runs=$((executions * share / 10000))
-    [[ ${#chosen[@]} == 0 ]] || runs=$((executions / ${#chosen[@]}))
+    is_chosen "$target" || continue
+    runs=$((executions * share / whole))
     seeds "$target"
     words "$target"
+    dictionary=()
+    if [[ -s fuzz/corpus/$target.dict ]]; then dictionary=(-dict="fuzz/corpus/$target.dict"); fi
     before=$(find "fuzz/artifacts/$target" -type f | wc -l) started=$SECONDS log=fuzz/artifacts/$target.log
     fuzz/target/"$triple"/release/"$target" -runs="$runs" -max_len="$longest" -timeout="$seconds" -rss_limit_mb=$MEMORY \
-        -malloc_limit_mb=$MEMORY -dict="fuzz/corpus/$target.dict" -artifact_prefix="fuzz/artifacts/$target/" \
+        -malloc_limit_mb=$MEMORY "${dictionary[@]}" -artifact_prefix="fuzz/artifacts/$target/" \
         -print_final_stats=1 -close_fd_mask=1 -seed="${SEED:-0}" "fuzz/corpus/$target" >"$log" 2>&1 </dev/null || true
     took=$((SECONDS - started))
     done=$(sed -n 's/^stat::number_of_executed_units: *//p' "$log" | tail -1)

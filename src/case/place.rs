@@ -84,8 +84,9 @@ impl<'t> Places<'t> {
 
 /// Characters that begin in a stretch of UTF-8 text, but for byte order marks.
 fn columns(text: &[u8], stretch: Range<usize>) -> usize {
-    let begins = |at: usize| text[at] & 0xc0 != 0x80 && !text[at..].starts_with("\u{feff}".as_bytes());
-    stretch.filter(|at| begins(*at)).count()
+    let begin = text[stretch.clone()].iter().filter(|byte| **byte & 0xc0 != 0x80).count();
+    let marks = stretch.filter(|at| text[*at] == 0xef && text[*at..].starts_with("\u{feff}".as_bytes()));
+    begin - marks.count()
 }
 
 /// The nearest character boundary at or before a byte, within the text.

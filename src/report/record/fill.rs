@@ -81,8 +81,9 @@ pub(in crate::report) fn read(place: Place) -> ReportRecord {
     let mut record = reader.record;
     for case in &mut record.cases {
         let n = case.points.len();
-        // The last cell of a table that ends too soon.
-        case.strategies.iter_mut().for_each(|strategy| strategy.cells.retain(|cell| cell.points.len() == n));
+        // Not the last cell of a table that ends too soon, nor one that begins too late: of no point there is nothing to show.
+        let is_whole = |cell: &CellRecord| n > 0 && cell.points.len() == n;
+        case.strategies.iter_mut().for_each(|strategy| strategy.cells.retain(is_whole));
         if let Arrangement::Grid { nu, nv } = case.arrangement
             && nu.checked_mul(nv) != Some(n)
         {
