@@ -39,6 +39,7 @@ mod reference;
 mod render;
 mod samplers;
 mod shipped_cases;
+mod supply;
 mod techniques;
 mod walls;
 mod witness;
