@@ -8,6 +8,7 @@ use super::schema::{
     MAX_POLYGON_VERTICES, MAX_SUBDIVIDE, MAX_TEXELS, MAX_TRIANGLES, MIN_AREA, Need, ROOT, Table, Value,
 };
 use super::{Case, PROPERTIES};
+use crate::radiometry::{BRIGHTEST, FAINTEST};
 use crate::sampling::Strategy;
 
 const HEAD: &str = "\
@@ -50,11 +51,15 @@ nearest that is. Headers in two brackets, `[[source.disk]]`, may stand any numbe
 ";
 
 /// Limits that stand beside the keys' own.
-fn limits() -> [(&'static str, String); 11] {
+fn limits() -> [(&'static str, String); 12] {
     let mebibytes = |bytes: u64| format!("{} MiB", bytes >> 20);
     [
         ("largest magnitude of any number but a normal's component", format!("{MAX_MAGNITUDE:e}")),
         ("smallest area of a shape", format!("{MIN_AREA:e} m²")),
+        (
+            "faintest and brightest exitance, irradiance or power that is not zero",
+            format!("{FAINTEST:e}, {BRIGHTEST:e}"),
+        ),
         ("largest sample count and replicate count", MAX_COUNT.to_string()),
         ("most measurement points", MAX_POINTS.to_string()),
         ("most vertices of one polygon", MAX_POLYGON_VERTICES.to_string()),

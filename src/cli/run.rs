@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use super::commands::{GENERATOR, fault, select, set_threads};
+use super::commands::{GENERATOR, endless, fault, select, set_threads};
 use super::conclude::{Lines, conclude};
 use super::interrupt::Interrupt;
 use super::options::{Format, Run};
@@ -23,10 +23,11 @@ pub fn run(options: &Run) -> u8 {
 fn run_to_end(options: &Run) -> Result<u8, u8> {
     let cases = select(&options.work.cases)?;
     let sets = guests::sets(&options.points)?;
+    let settings = options.work.settings();
+    endless(&cases, &settings)?;
     let interrupt = Interrupt::heard()?;
     report::claim(&options.out).map_err(|error| fault(exit::OUTPUT, error))?;
     set_threads(options.work.threads)?;
-    let settings = options.work.settings();
     let lines = matches!(options.telling.format, Format::Jsonl).then(Lines::default);
     let selectors: Vec<&str> = options.work.cases.iter().map(String::as_str).collect();
     let command = settings.command(&selectors, None) + &guests::words(&options.points);

@@ -66,7 +66,7 @@ pub use converge::{ConvergenceOutcome, ConvergenceTerms, Level, NoConvergence, j
 #[cfg(feature = "studies")]
 pub use cost::{HierarchyCost, TimeTo, median};
 #[cfg(feature = "studies")]
-pub use forecast::{Forecast, forecast};
+pub use forecast::{Forecast, forecast, least_rays};
 #[cfg(feature = "studies")]
 pub use growth::{Affine, Fits, GrowthStudy, Law, Observation, PowerLaw, growth};
 pub use guest::{

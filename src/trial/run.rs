@@ -196,7 +196,11 @@ pub(super) fn plans<E: Send + Sync>(
     for (index, samples) in study.samples.iter().enumerate() {
         let prediction = prepared.predictions.cell(strategy, study, index, &prepared.contrasts.weights);
         if prediction.is_complete() {
-            plans.cells.push(CellPlan::new(prepared, study, strategy.technique(), *samples, prediction, None));
+            plans.cells.push(CellPlan::new(prepared, study, *samples, prediction, None));
+            continue;
+        }
+        if let Some(bounds) = prepared.predictions.at_most(strategy, *samples, &prepared.contrasts.weights) {
+            plans.cells.push(CellPlan::new(prepared, study, *samples, prediction, Some(bounds)));
             continue;
         }
         let replicates = pilot_replicates(*samples);
@@ -205,7 +209,8 @@ pub(super) fn plans<E: Send + Sync>(
         let pilot = measure(prepared, Purpose::Pilot, strategy, *samples, replicates, traced)?;
         plans.pilot_rays += rays;
         plans.pilot_seconds += pilot.seconds;
-        plans.cells.push(CellPlan::new(prepared, study, strategy.technique(), *samples, prediction, Some(&pilot)));
+        let measured = CellPlan::piloted(prepared, strategy.technique(), &pilot);
+        plans.cells.push(CellPlan::new(prepared, study, *samples, prediction, Some(measured)));
     }
     Ok(plans)
 }

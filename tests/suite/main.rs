@@ -11,6 +11,7 @@ mod compare;
 mod convergence;
 mod determinism;
 mod docs;
+mod edge;
 mod estimator_laws;
 mod exact;
 mod examples;
