@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use super::schema::{EXITANCE_TEXTURE, Key, MAX_COUNT, MAX_MAGNITUDE, MIN_AREA, Need, ROOT, Table, Value};
 use super::{Case, PROPERTIES};
+use crate::radiometry::{BRIGHTEST, FAINTEST};
 use crate::sampling::Strategy;
 
 const HEAD: &str = "\
@@ -47,10 +48,14 @@ nearest that is. Headers in two brackets, `[[source.disk]]`, may stand any numbe
 ";
 
 /// Ranges that stand beside the keys' own.
-fn ranges() -> [(&'static str, String); 3] {
+fn ranges() -> [(&'static str, String); 4] {
     [
         ("largest magnitude of any number but a normal's component", format!("{MAX_MAGNITUDE:e}")),
         ("smallest area of a shape", format!("{MIN_AREA:e} m²")),
+        (
+            "faintest and brightest exitance, irradiance or power that is not zero",
+            format!("{FAINTEST:e}, {BRIGHTEST:e}"),
+        ),
         ("largest sample count and replicate count", MAX_COUNT.to_string()),
     ]
 }

@@ -12,13 +12,14 @@ use super::options::{Calibrate, Check, Exact, Explain, Growth, List, Options, Pl
 use super::progress::RunBoard;
 use super::share;
 use crate::calibration;
+use crate::case::Replicates;
 use crate::case::{self, Case, Ink, SelectError};
 use crate::journal::FolderLock;
 use crate::oracle::optics::{Arriving, RoomLight};
 use crate::oracle::{self, Derivatives, Oracle, Truth};
 use crate::report::{self, ExactCase, LimitsCase};
 use crate::sampling::Strategy;
-use crate::trial;
+use crate::trial::{self, Settings};
 
 /// Says how the random streams are made, for the manifest.
 pub(super) const GENERATOR: &str = "8 lanes of xoshiro256++, sample i in lane i mod 8; streams keyed by seed, configuration, purpose, \
@@ -75,6 +76,38 @@ pub(super) fn set_threads(threads: Option<u16>) -> Result<(), u8> {
     pool.build_global().map_err(|error| fault(exit::AGAIN, error))
 }
 
+/// Shadow rays of one case beyond which it is not begun: half a day of one core.
+const MOST_RAYS: f64 = (1_u64 << 43) as f64;
+
+/// What would go on for days is refused before it begins, and not found out about.
+///
+/// - `shards`: that the work is divided among
+pub(super) fn endless(cases: &[Case], settings: &Settings, shards: u32) -> Result<(), u8> {
+    for case in cases {
+        let rays = trial::least_rays(case, settings) / f64::from(shards);
+        if rays > MOST_RAYS {
+            let points = case.configuration.points().len();
+            let (study, name) = (settings.study(&case.study), &case.name);
+            let replicates = match study.replicates {
+                Replicates::Fixed(n) => n.to_string(),
+                Replicates::Auto => "128 or more".to_owned(),
+            };
+            let samples: Vec<String> = study.samples.iter().map(u64::to_string).collect();
+            return Err(fault(
+                exit::USAGE,
+                format!(
+                    "{name} takes {rays:.1e} shadow rays at least ({points} points, {} strategies, samples {}, replicates \
+                     {replicates}); at most {MOST_RAYS:.1e}, half a day of one core, are accepted for a case: fewer of \
+                     --samples, --replicates, --strategy, or points; or more shards (--shard I/N)",
+                    study.strategies.len(),
+                    samples.join(","),
+                ),
+            ));
+        }
+    }
+    Ok(())
+}
+
 pub fn plan(options: &Plan) -> u8 {
     plan_to_end(options).unwrap_or_else(|code| code)
 }
@@ -83,6 +116,7 @@ fn plan_to_end(options: &Plan) -> Result<u8, u8> {
     let cases = select(&options.work.cases, &options.work.reaching)?;
     set_threads(options.work.threads)?;
     let settings = options.work.settings();
+    endless(&cases, &settings, options.shards.unwrap_or(1))?;
     let bill = options.shards.map(|_| trial::Bill::new(&cases, &settings));
     if let (Some(bill), Some(of), Some(out), Some(Engine::Slurm)) =
         (&bill, options.shards, &options.out, options.engine)

@@ -53,7 +53,8 @@ const VARIANCE: &str = "\
 variance: squared errors have the predicted variance as their mean.
 
   random, correlated   (A sum over sources of the integral of f^2 dA - F^2)/N over the visible source
-  stratified           (1/N^2) sum over strata of the variance within each
+  stratified           (1/N^2) sum over strata of the variance within each; beyond 2^22 strata it is bounded by
+                       that of random, and not judged
   others               in the table of `etendue explain STRATEGY`
 
   statement   E (X - E)^2 = v within 0.1 % (the prediction's own error)

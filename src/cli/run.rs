@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use super::commands::{GENERATOR, fault, select, set_threads, take};
+use super::commands::{GENERATOR, endless, fault, select, set_threads, take};
 use super::conclude::{Lines, conclude};
 use super::interrupt::Interrupt;
 use super::options::{Format, Run};
@@ -29,10 +29,11 @@ pub fn run(options: &Run) -> u8 {
 fn run_to_end(options: &Run) -> Result<u8, u8> {
     let cases = select(&options.work.cases, &options.work.reaching)?;
     let sets = guests::sets(&options.points)?;
+    let settings = options.work.settings();
+    endless(&cases, &settings, 1)?;
     let interrupt = Interrupt::heard()?;
     let _lock = take(&options.out)?;
     set_threads(options.work.threads)?;
-    let settings = options.work.settings();
     // Points that were brought along are judged by themselves: nothing is kept of that.
     let own = sets.is_empty() || options.work.strategy.is_some();
     let checkpoint = own.then(|| checkpoint(&cases, &settings, options)).transpose()?;

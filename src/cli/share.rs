@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use super::commands::{fault, print, select, set_threads};
+use super::commands::{endless, fault, print, select, set_threads};
 use super::exit;
 use super::interrupt::Interrupt;
 use super::options::{Format, Run};
@@ -13,6 +13,7 @@ use crate::trial::{self, Division, Shard, TrialError};
 
 pub(super) fn share(options: &Run, shard: Shard) -> Result<u8, u8> {
     let cases = select(&options.work.cases, &options.work.reaching)?;
+    endless(&cases, &options.work.settings(), shard.of)?;
     let interrupt = Interrupt::heard()?;
     report::probe(&options.out).map_err(|error| fault(exit::OUTPUT, error))?;
     set_threads(options.work.threads)?;

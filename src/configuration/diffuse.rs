@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::{ConfigurationError, ReceiverShape};
 use crate::geometry::Shape;
-use crate::radiometry::{Albedo, Exitance};
+use crate::radiometry::{Albedo, Exitance, is_in_range};
 
 /// A Lambertian surface. Its front (outside, for a sphere) receives and emits; its back is black. Opaque from both sides.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,6 +31,9 @@ impl DiffuseSurface {
         let said = exitance.watts_per_square_metre();
         if !(said.is_finite() && said >= 0.0) {
             return Err(ConfigurationError::Exitance { said });
+        }
+        if !is_in_range(said) {
+            return Err(ConfigurationError::ExitanceOutOfRange { said });
         }
         if inward && !matches!(shape, ReceiverShape::Sphere(_)) {
             return Err(ConfigurationError::InwardFlat);

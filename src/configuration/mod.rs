@@ -17,7 +17,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::geometry::{Shape, ShapeError};
-use crate::radiometry::{Albedo, Beam, Exitance, PointSource};
+use crate::radiometry::{Albedo, Beam, Exitance, PointSource, is_in_range};
 use crate::texture::{Texture, TextureError};
 
 pub use diffuse::DiffuseSurface;
@@ -45,6 +45,9 @@ impl Source {
         let said = exitance.watts_per_square_metre();
         if !(said.is_finite() && said >= 0.0) {
             return Err(ConfigurationError::Exitance { said });
+        }
+        if !is_in_range(said) {
+            return Err(ConfigurationError::ExitanceOutOfRange { said });
         }
         if let Shape::Mesh(_) = shape {
             return Err(ConfigurationError::MeshSource);

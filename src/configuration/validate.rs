@@ -5,10 +5,14 @@ use glam::DVec3;
 use super::Contents;
 use crate::errors::errors;
 use crate::geometry::{Frame, Polygon, Shape};
+use crate::radiometry::{BRIGHTEST, FAINTEST};
 use crate::texture::TextureError;
 
 /// A point this near to a surface, in units of the coordinates at hand, is on it: its distance is rounding.
 const ON_SURFACE: f64 = 8.0 * f64::EPSILON;
+/// What the brightest source must be able to bring, W/m²: the fourth power of a thousandth of it, over many samples, is
+/// still a number.
+const FAINTEST_ARRIVING: f64 = 1e-60;
 
 errors! {
     /// Why a configuration was refused.
@@ -17,6 +21,8 @@ errors! {
     pub enum ConfigurationError {
         #[error("exitance is {said} W/m²; it is a finite number, zero or greater")]
         Exitance { said: f64 },
+        #[error("exitance is {said:e} W/m²; where it is not zero it lies from {:e} to {:e}, or squares of variances are no numbers", FAINTEST, BRIGHTEST)]
+        ExitanceOutOfRange { said: f64 },
         #[error("albedo is {said}; it lies between 0 and 1")]
         Albedo { said: f64 },
         #[error(transparent)]
@@ -78,6 +84,18 @@ errors! {
             index: usize,
             kind: &'static str,
         },
+        #[error(
+            "at measurement point {point}{others} (counted from 0) no source brings more than {said:e} W/m², were nothing in the way; above zero it is {FAINTEST_ARRIVING:e} or more, or squares of variances are no numbers",
+            others = if *others > 0 { format!(" (and {others} more)") } else { String::new() }
+        )]
+        TooFaint {
+            /// The first such point.
+            point: usize,
+            /// Further such points.
+            others: usize,
+            /// W/m².
+            said: f64,
+        },
         #[error("the line's end `{end}` lies {distance:.3e} m off the receiver; a line runs on the receiver")]
         OffReceiver { end: &'static str, distance: f64 },
         #[error("the line's ends are opposite points of the sphere; no shorter arc joins them")]
@@ -109,6 +127,7 @@ pub(super) fn mistakes(room: &Contents) -> Vec<ConfigurationError> {
             found.push(ConfigurationError::PointOnSurface { point, others, role, index, kind: shape.kind() });
         }
     }
+    found.extend(too_faint(room));
     for second in 1..room.glass.len() {
         let overlap = (0..second).find(|first| room.glass[*first].shape().overlaps(room.glass[second].shape()));
         found.extend(overlap.map(|first| ConfigurationError::GlassOverlap { first, second }));
@@ -116,6 +135,30 @@ pub(super) fn mistakes(room: &Contents) -> Vec<ConfigurationError> {
     outside_enclosures(room, &mut found);
     curved_before_sources(room, &mut found);
     found
+}
+
+/// Points so far from all sources, for their size, that no spread of estimates there could be told.
+fn too_faint(room: &Contents) -> Option<ConfigurationError> {
+    let sources = room.sources.iter().map(|source| (source.largest_exitance(), source.shape().clone()));
+    let diffuse = room.diffuse.iter().map(|surface| (surface.exitance(), surface.as_shape()));
+    let emitters = sources
+        .chain(diffuse)
+        .map(|(exitance, shape)| (exitance.watts_per_square_metre() * shape.area(), ball_around(&shape)));
+    let emitters: Vec<(f64, (DVec3, f64))> = emitters.filter(|(power, _)| *power > 0.0).collect();
+    let most = |at: DVec3| {
+        let of = |(power, (center, radius)): &(f64, (DVec3, f64))| {
+            let distance = (*center - at).length().max(*radius);
+            power / std::f64::consts::PI / distance / distance
+        };
+        emitters.iter().map(of).fold(0.0, f64::max)
+    };
+    let faint = |(point, at): (usize, &super::MeasurementPoint)| {
+        let said = most(at.position());
+        (!emitters.is_empty() && said < FAINTEST_ARRIVING).then_some((point, said))
+    };
+    let mut faint = room.points.iter().enumerate().filter_map(faint);
+    let (point, said) = faint.next()?;
+    Some(ConfigurationError::TooFaint { point, others: faint.count(), said })
 }
 
 /// The surfaces that points must not lie on, of optics and diffuse surfaces, as far as they are shapes that block.

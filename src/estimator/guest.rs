@@ -298,6 +298,7 @@ impl Estimator for GuestPoints<'_> {
     }
 }
 
+#[cfg(feature = "studies")]
 #[cfg(test)]
 mod tests {
     use super::super::AreaEstimator;

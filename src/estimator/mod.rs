@@ -70,6 +70,7 @@ pub fn for_technique(configuration: &Configuration, technique: Technique) -> Box
     }
 }
 
+#[cfg(feature = "studies")]
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -72,7 +72,7 @@ impl<T: Number> GreatArc<T> {
         let angle = angle.primal();
         // The plane's normal turns about the edge's own direction: for a short edge it may turn far, and moves little.
         let tilt = angle.min(1.0) * self.condition;
-        Term { value, weight: 0.25 * (from.primal().abs() + to.primal().abs()) + angle + tilt }
+        Term { value, weight: 0.25 * (from.primal().abs() + to.primal().abs()) + angle + tilt, count: 1 }
     }
 }
 

@@ -20,6 +20,7 @@ mod body;
 mod crossing;
 #[cfg(feature = "studies")]
 mod derivative;
+#[cfg(feature = "studies")]
 #[cfg(test)]
 mod derivative_tests;
 mod exact;

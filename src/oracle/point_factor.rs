@@ -127,7 +127,7 @@ fn contour<T: Number>(n: Vector<T>, piece: &Piece<T>) -> Factor<T> {
 /// A contour sum as a form factor.
 pub(super) fn from_terms<T: Number>(sum: Term<T>) -> Factor<T> {
     let value = sum.value / T::turn();
-    Factor { value, bound: STEPS * f64::EPSILON * sum.weight / (2.0 * PI) }
+    Factor { value, bound: f64::EPSILON * (STEPS * sum.weight + sum.rounding_of_sum()) / (2.0 * PI) }
 }
 
 /// Seen smaller than this (radius over distance), a flat figure is integrated by a product rule without cancellation.

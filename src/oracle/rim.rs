@@ -31,15 +31,24 @@ pub(super) struct Rim<T = f64> {
 pub(super) struct Term<T = f64> {
     pub value: T,
     pub weight: f64,
+    /// Terms that were added.
+    pub count: u32,
 }
+
+/// From so many terms on the rounding of their sum is told, too: fewer are within what `weight` says.
+const MANY: u32 = 256;
 
 impl<T: Number> Default for Term<T> {
     fn default() -> Term<T> {
-        Term { value: T::zero(), weight: 0.0 }
+        Term { value: T::zero(), weight: 0.0, count: 0 }
     }
 }
 
 impl<T: Number> Term<T> {
+    /// What the sum may be off by beside its terms, in units of rounding: like terms are all rounded alike.
+    pub fn rounding_of_sum(&self) -> f64 {
+        if self.count < MANY { 0.0 } else { 0.5 * f64::from(self.count) * self.value.primal().abs() }
+    }
     /// The same way gone the other way round.
     pub fn backward(self) -> Term<T> {
         Term { value: -self.value, ..self }
@@ -50,6 +59,7 @@ impl<T: Number> std::ops::AddAssign for Term<T> {
     fn add_assign(&mut self, other: Term<T>) {
         self.value = self.value + other.value;
         self.weight += other.weight;
+        self.count += other.count;
     }
 }
 
@@ -207,7 +217,7 @@ impl<T: Number> Rim<T> {
         // The ends are known to the rounding of an angle, whatever the length between them.
         let stop = square(sin1, cos1).primal();
         let ends = (size(f0) + size(f1) + size(f2)) * (size(t0) / start.primal() + size(t1) / stop);
-        Term { value, weight: sizes * (far.primal() / near.primal()) + 0.25 * ends }
+        Term { value, weight: sizes * (far.primal() / near.primal()) + 0.25 * ends, count: 1 }
     }
 }
 

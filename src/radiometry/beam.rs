@@ -31,6 +31,9 @@ impl Beam {
         if !(said.is_finite() && said >= 0.0) {
             return Err(RadiometryError::Irradiance { said });
         }
+        if !super::is_in_range(said) {
+            return Err(RadiometryError::OutOfRange { what: "irradiance", unit: "W/m²", said });
+        }
         Ok(Beam {
             center: finite_point("center", center)?,
             direction: unit("direction", direction)?,

@@ -44,6 +44,16 @@ errors! {
             /// Its value.
             said: f64,
         },
+        /// Light so faint or so bright that squares of its variance leave the range of f64.
+        #[error("the {what} is {said:e} {unit}; where it is not zero it lies from {:e} to {:e}, or squares of variances are no numbers", super::FAINTEST, super::BRIGHTEST)]
+        OutOfRange {
+            /// `power` or `irradiance`.
+            what: &'static str,
+            /// Its unit.
+            unit: &'static str,
+            /// Its value.
+            said: f64,
+        },
         /// What is wrong with a shape.
         #[error(transparent)]
         Shape(#[from] ShapeError),

@@ -24,6 +24,9 @@ impl PointSource {
         if !(said.is_finite() && said >= 0.0) {
             return Err(RadiometryError::Power { said });
         }
+        if !super::is_in_range(said) {
+            return Err(RadiometryError::OutOfRange { what: "power", unit: "W", said });
+        }
         Ok(PointSource { position: finite_point("position", position)?, power })
     }
     /// Metres.
@@ -83,6 +86,10 @@ mod tests {
         for watts in [-1.0, f64::NAN, f64::INFINITY] {
             assert!(matches!(PointSource::new(DVec3::Z, Flux::new(watts)), Err(RadiometryError::Power { .. })));
         }
+        for watts in [5e-324, 1e-31, 1e31, f64::MAX] {
+            assert!(matches!(PointSource::new(DVec3::Z, Flux::new(watts)), Err(RadiometryError::OutOfRange { .. })));
+        }
+        assert!([0.0, 1e-30, 1e30].iter().all(|watts| PointSource::new(DVec3::Z, Flux::new(*watts)).is_ok()));
         assert!(PointSource::new(DVec3::NAN, Flux::new(1.0)).is_err());
         let lamp = PointSource::new(DVec3::Z, Flux::new(1.0)).unwrap();
         assert_eq!(lamp.irradiance_at(DVec3::Z, DVec3::Z), Err(RadiometryError::AtSource));

@@ -132,6 +132,7 @@ impl Work for Seeding {
     }
 }
 
+#[cfg(feature = "studies")]
 #[cfg(test)]
 mod tests {
     use super::*;

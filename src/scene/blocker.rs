@@ -402,6 +402,7 @@ fn polygon(polygon: &Polygon) -> Blocker {
     Blocker::Polygon { anchor, frame, edges }
 }
 
+#[cfg(feature = "studies")]
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -12,7 +12,7 @@ use crate::sampling::BLOCK;
 /// - source: E. Haines, D. Greenberg, *The light buffer: a shadow-testing accelerator*, IEEE Computer Graphics and
 ///   Applications 6(9), 1986
 #[derive(Clone, Debug)]
-#[cfg_attr(not(feature = "fast"), expect(dead_code, reason = "meshes that are halved ask none"))]
+#[cfg_attr(all(not(feature = "fast"), not(test)), expect(dead_code, reason = "meshes that are halved ask none"))]
 pub struct ShadowCache {
     pub(super) parts: [u32; BLOCK],
     asked: u32,
@@ -21,7 +21,7 @@ pub struct ShadowCache {
     passed_by: u32,
 }
 
-#[cfg_attr(not(feature = "fast"), expect(dead_code, reason = "meshes that are halved ask none"))]
+#[cfg_attr(all(not(feature = "fast"), not(test)), expect(dead_code, reason = "meshes that are halved ask none"))]
 impl ShadowCache {
     /// No part of any mesh.
     pub(super) const NOTHING: u32 = u32::MAX;

@@ -109,6 +109,7 @@ pub fn fisher(correlation: f64) -> f64 {
     correlation.clamp(-nearest, nearest).atanh()
 }
 
+#[cfg(feature = "studies")]
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -111,6 +111,7 @@ fn in_unit(level: f64) -> bool {
     0.0 < level && level < 1.0
 }
 
+#[cfg(feature = "studies")]
 #[cfg(test)]
 mod tests {
     use super::*;

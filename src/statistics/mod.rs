@@ -13,6 +13,7 @@ pub mod pairs;
 #[cfg(feature = "studies")]
 pub mod proportion;
 mod quantile;
+#[cfg(feature = "studies")]
 #[cfg(test)]
 pub(crate) mod simulated;
 #[cfg(feature = "studies")]

@@ -4,13 +4,13 @@ use super::cost::median;
 use super::desk::Alone;
 use super::measure::{BATCHES, Prepared, rays_of, replicates_at_once, seconds_of};
 use super::outcome::Timing;
-use super::plan::CellPlan;
+use super::plan::{CellPlan, FEWEST_REPLICATES, pilot_replicates};
 use super::ready::Ready;
 use super::run::plans;
 use super::settings::Settings;
-use crate::case::Case;
+use crate::case::{Case, Replicates};
 use crate::estimator::for_technique;
-use crate::sampling::{BLOCK, Purpose, Strategy};
+use crate::sampling::{BLOCK, PointSet, Purpose, Strategy, Technique};
 use crate::threads;
 
 /// Shadow rays of one timing, about: some tenths of a millisecond.
@@ -19,6 +19,8 @@ const TIMED_RAYS: u64 = 50_000;
 const TIMINGS: u64 = 5;
 /// Shadow rays from which on fewer timings do: what takes long is disturbed less.
 const MANY_RAYS: u64 = 1_000_000;
+/// Shadow rays of the longest timing, about: a tenth of a second.
+const MOST_TIMED_RAYS: u64 = 1 << 24;
 
 /// One case under one strategy, as planned.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,7 +39,7 @@ pub struct Forecast {
     pub smallest_bias_point: Option<f64>,
     /// Whether these are as small as the study asks.
     pub suffices: bool,
-    /// Whether the exact side predicts all variances; else a pilot run stands in.
+    /// Whether the exact side predicts all variances (those of very many strata it bounds); else a pilot run stands in.
     pub predicted: bool,
 }
 
@@ -103,8 +105,37 @@ pub(super) fn forecast_case(case: &Case, settings: &Settings) -> (Vec<Forecast>,
     (forecasts, costs, exact_seconds)
 }
 
+/// Shadow rays that a run of one case takes at least: what its points, strategies, samples and replicates come to, before
+/// any variance is known.
+pub fn least_rays(case: &Case, settings: &Settings) -> f64 {
+    if !case.measures_direct_light() {
+        return 0.0;
+    }
+    let study = settings.study(&case.study);
+    let replicates = match study.replicates {
+        Replicates::Fixed(replicates) => replicates,
+        Replicates::Auto => FEWEST_REPLICATES,
+    };
+    let configuration = &case.configuration;
+    let places = configuration.points().len() as f64 * configuration.sources().len() as f64;
+    let of = |strategy: &Strategy| {
+        let is_piloted = strategy.technique() == Technique::Area
+            && !matches!(strategy.point_set(), PointSet::Independent | PointSet::Stratified);
+        let pilots = |samples: u64| if is_piloted { pilot_replicates(samples) } else { 0 };
+        let samples = study.samples.iter();
+        samples.map(|n| *n as f64 * (replicates + pilots(*n)) as f64).sum::<f64>()
+    };
+    places * study.strategies.iter().map(of).sum::<f64>()
+}
+
 /// What a cell will take: the median of several timings, scaled to all its replicates.
 fn seconds_of_cell(prepared: &Prepared, strategy: Strategy, plan: &CellPlan) -> f64 {
+    // What takes seconds by itself is timed with fewer samples: of so many, each takes the same time.
+    let mut samples = plan.samples;
+    while rays_of(prepared, samples, 1) > MOST_TIMED_RAYS && samples > MOST_TIMED_RAYS / 1024 {
+        samples /= 4;
+    }
+    let (plan, more) = (&CellPlan { samples, ..plan.clone() }, plan.samples as f64 / samples as f64);
     let once = rays_of(prepared, plan.samples, 1);
     let count = timed_replicates(plan, once, prepared.exact.len());
     let timings = if once * count > MANY_RAYS { 2 } else { TIMINGS };
@@ -123,7 +154,7 @@ fn seconds_of_cell(prepared: &Prepared, strategy: Strategy, plan: &CellPlan) -> 
         // The first fills caches and tables.
         (0..=rounds).map(time).skip(1).collect::<Vec<f64>>()
     });
-    scaled(of_threads.concat(), plan.replicates)
+    more * scaled(of_threads.concat(), plan.replicates)
 }
 
 /// The median of times of one replicate, for so many.

@@ -137,6 +137,7 @@ fn upper(sums: &PowerSums) -> f64 {
     upper_variance(sums).max(sums.variance().unwrap_or(0.0) / least)
 }
 
+#[cfg(feature = "studies")]
 #[cfg(test)]
 mod tests {
     use super::*;

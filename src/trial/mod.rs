@@ -84,7 +84,7 @@ pub use division::{Division, Shard};
 #[cfg(feature = "studies")]
 pub use fingerprint::numeric_fingerprint;
 #[cfg(feature = "studies")]
-pub use forecast::{Forecast, forecast};
+pub use forecast::{Forecast, forecast, least_rays};
 #[cfg(feature = "studies")]
 pub use growth::{Affine, Fits, GrowthStudy, Law, Observation, PowerLaw, growth};
 pub use guest::{

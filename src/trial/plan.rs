@@ -19,10 +19,12 @@ use crate::statistics::evidence::{replicates_for, smallest_shift};
 const MOST_RAYS: u64 = 1 << 30;
 /// Fewest replicates of an automatic plan: enough for a variance and a correlation; more where samples are few, so that the
 /// variance is judged too.
-const FEWEST_REPLICATES: u64 = 128;
+pub(super) const FEWEST_REPLICATES: u64 = 128;
 const FEWEST_SAMPLES: u64 = 16_384;
 /// Share of the sources' light ([`super::reach::full`]) from which on a point must be able to see the `point` bias.
 const WELL_LIT: f64 = 0.1;
+/// A sample that may bring this many times the irradiance need not have shown in a pilot.
+const SPIKE: f64 = 1e3;
 /// An event that had this expected count in the pilot would have been missed with probability e⁻¹².
 const UNSEEN_COUNT: f64 = 12.0;
 
@@ -59,26 +61,24 @@ pub(super) fn components(prepared: &Prepared, study: &Study) -> usize {
 }
 
 impl CellPlan {
-    /// - `pilot`: where not everything is predicted
+    /// - `otherwise`: upper variances of points and contrasts, where not everything is predicted
     pub fn new(
         prepared: &Prepared,
         study: &Study,
-        technique: Technique,
         samples: u64,
         prediction: CellPrediction,
-        pilot: Option<&CellSums>,
+        otherwise: Option<(Vec<f64>, Vec<f64>)>,
     ) -> CellPlan {
         let predicted: Option<Vec<f64>> =
             prediction.points.iter().map(|point| point.map(|spread| spread.upper_variance())).collect();
         let contrasts =
             prediction.contrasts.as_ref().map(|list| list.iter().map(Tolerated::upper_variance).collect());
-        let measured = pilot.map(|pilot| CellPlan::piloted(prepared, technique, pilot));
-        let (of_pilot, contrasts_of_pilot) = measured.unwrap_or_default();
+        let (point_variances, contrast_variances) = otherwise.unwrap_or_default();
         let mut plan = CellPlan {
             samples,
             replicates: 0,
-            point_variances: predicted.unwrap_or(of_pilot),
-            contrast_variances: contrasts.unwrap_or(contrasts_of_pilot),
+            point_variances: predicted.unwrap_or(point_variances),
+            contrast_variances: contrasts.unwrap_or(contrast_variances),
             prediction,
         };
         plan.replicates = match study.replicates {
@@ -112,7 +112,7 @@ impl CellPlan {
     }
 
     /// Upper variances of points and contrasts from a pilot.
-    fn piloted(prepared: &Prepared, technique: Technique, pilot: &CellSums) -> (Vec<f64>, Vec<f64>) {
+    pub fn piloted(prepared: &Prepared, technique: Technique, pilot: &CellSums) -> (Vec<f64>, Vec<f64>) {
         let configuration = &prepared.case.configuration;
         let n = pilot.samples as f64;
         let seen = pilot.replicates as f64;
@@ -124,8 +124,11 @@ impl CellPlan {
             .map(|(point, truth)| {
                 // Directions that must find a source jump at its own outline, too.
                 let seeks = !matches!(technique, Technique::Area);
-                let cut = seeks || truth.shadow_edge || truth.region == Region::Edge;
-                let part = peak(configuration, point, technique) / n;
+                let peak = peak(configuration, point, technique);
+                // So near a source that most of its light comes from less of it than a pilot may hit.
+                let spike = peak > SPIKE * truth.irradiance.watts_per_square_metre();
+                let cut = seeks || spike || truth.shadow_edge || truth.region == Region::Edge;
+                let part = peak / n;
                 if cut { part * part * UNSEEN_COUNT / seen } else { 0.0 }
             })
             .collect();

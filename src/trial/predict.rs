@@ -11,6 +11,10 @@ use crate::oracle::variance::{RELATIVE_ERROR, Spread};
 use crate::sampling::{PointSet, Strategy, Technique};
 use crate::threads;
 
+/// Strata that are integrated one by one, on each source. Of more (some seconds for each point) it is said instead that their
+/// estimate varies no more than that of as many independent points, which holds for strata of equal area.
+pub(super) const MOST_STRATA: u64 = 1 << 22;
+
 /// Predicted spreads of one case, for all strategies of a study.
 #[cfg_attr(feature = "studies", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Predictions {
@@ -18,7 +22,7 @@ pub(super) struct Predictions {
     area: Vec<Option<Spread>>,
     /// [point]: one draw of another technique.
     others: BTreeMap<Technique, Vec<Option<Spread>>>,
-    /// [point]: one for each sample count of the study, one sample in each stratum.
+    /// [point]: one for each sample count of the study up to [`MOST_STRATA`], one sample in each stratum.
     strata: Vec<Option<Vec<Spread>>>,
     shared: Option<SharedSpreads>,
 }
@@ -109,13 +113,20 @@ impl Predictions {
                 Ok((technique, of_each(points, desk, of_point)?))
             })
             .collect::<Result<_, D::End>>()?;
+        let few: Vec<u64> = study.samples.iter().copied().filter(|n| *n <= MOST_STRATA).collect();
         let strata = if asks(PointSet::Stratified) {
-            of_each(points, desk, |point| oracle.strata_spreads(point, &study.samples, &strata))?
+            of_each(points, desk, |point| oracle.strata_spreads(point, &few, &strata))?
         } else {
             vec![None; points.len()]
         };
         let shares = study.strategies.iter().any(|strategy| strategy.shares_points());
-        let shared = shares.then(|| oracle.shared_samples(points, weights, pairs)).flatten().map(|shared| {
+        let shared = shares.then(|| oracle.shared_samples(points, weights, pairs)).flatten();
+        // The lattice that they are taken on may miss what a point right before a source gets from next to nothing of it.
+        let shared = shared.filter(|shared| {
+            let known = area.iter().zip(&shared.variances).map(|(own, found)| own.map_or(*found, |own| own.variance));
+            known.map(f64::sqrt).sum::<f64>() <= 2.0 * shared.variances.iter().map(|v| v.max(0.0).sqrt()).sum::<f64>()
+        });
+        let shared = shared.map(|shared| {
             let contrasts = shared.sums.iter().zip(&shared.sum_errors);
             let correlation = |((i, j), covariance): (&(usize, usize), &f64)| {
                 let scale = (shared.variances[*i] * shared.variances[*j]).sqrt();
@@ -137,7 +148,10 @@ impl Predictions {
                 self.area.iter().map(|spread| Some(Tolerated::new((*spread)?.mean_of(n)))).collect()
             }
             (Technique::Area, PointSet::Stratified) => {
-                self.strata.iter().map(|spreads| Some(Tolerated::new(spreads.as_ref()?[index]))).collect()
+                let few = |n: &u64| *n <= MOST_STRATA;
+                let before = study.samples[..index].iter().filter(|n| few(n)).count();
+                let place = few(&study.samples[index]).then_some(before);
+                self.strata.iter().map(|spreads| Some(Tolerated::new(spreads.as_ref()?[place?]))).collect()
             }
             (Technique::Area, _) => vec![None; self.area.len()],
             (technique, _) => {
@@ -159,6 +173,22 @@ impl Predictions {
         let alike = points.iter().enumerate();
         let alike = alike.map(|(p, own)| own.map(|own| own.spread).or_else(|| independent(p))).collect();
         CellPrediction { points, alike, contrasts }
+    }
+
+    /// What is known of a cell that is not predicted without any pilot: an upper bound of the variance at each point, and of
+    /// each contrast, W²/m⁴.
+    ///
+    /// - `weights`: `[contrast][point]`
+    pub fn at_most(&self, strategy: Strategy, samples: u64, weights: &[Vec<f64>]) -> Option<(Vec<f64>, Vec<f64>)> {
+        let is_refined = strategy.technique() == Technique::Area && strategy.point_set() == PointSet::Stratified;
+        if !is_refined || strategy.shares_points() || samples <= MOST_STRATA {
+            return None;
+        }
+        let n = samples as f64;
+        let upper = |spread: &Option<Spread>| Some(Tolerated::new((*spread)?.mean_of(n)).upper_variance());
+        let points: Vec<f64> = self.area.iter().map(upper).collect::<Option<_>>()?;
+        let of_sum = |row: &Vec<f64>| row.iter().zip(&points).map(|(w, v)| w * w * v).sum();
+        Some((points.clone(), weights.iter().map(of_sum).collect()))
     }
 
     /// Correlation of the errors at the pairs that were asked for; `None` where it is not predicted.
@@ -185,15 +215,13 @@ fn fresh_sum(weights: &[f64], points: &[Option<Tolerated>]) -> Option<Tolerated>
 }
 
 /// The strata of N points as `[u₀, u₁, v₀, v₁]`: R = ⌊√N⌉ rows, row r with ⌊(r+1)N/R⌋ − ⌊rN/R⌋ of them, as high as its share.
-pub(super) fn strata(n: u64) -> Vec<[f64; 4]> {
+pub(super) fn strata(n: u64) -> impl Iterator<Item = [f64; 4]> {
     let rows = ((n as f64).sqrt().round() as u64).max(1);
-    let start = |row: u64| (u128::from(row) * u128::from(n) / u128::from(rows)) as u64;
-    let mut cells = Vec::with_capacity(n as usize);
-    for row in 0..rows {
+    let start = move |row: u64| (u128::from(row) * u128::from(n) / u128::from(rows)) as u64;
+    (0..rows).flat_map(move |row| {
         let (first, end) = (start(row), start(row + 1));
-        let share = |k: u64| k as f64 / (end - first) as f64;
+        let share = move |k: u64| k as f64 / (end - first) as f64;
         let [bottom, top] = [first, end].map(|k| k as f64 / n as f64);
-        cells.extend((0..end - first).map(|k| [share(k), share(k + 1), bottom, top]));
-    }
-    cells
+        (0..end - first).map(move |k| [share(k), share(k + 1), bottom, top])
+    })
 }

@@ -119,6 +119,7 @@ fn flat_ceiling(height: f64, to_box: f64) -> f64 {
     height / (PI * r * r * r)
 }
 
+#[cfg(feature = "studies")]
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -265,7 +265,11 @@ pub(super) fn plans<D: Desk>(
         }
         let prediction = prepared.predictions.cell(strategy, study, index, &prepared.contrasts.weights);
         if prediction.is_complete() {
-            plans.cells.push(Some(CellPlan::new(prepared, study, technique, *samples, prediction, None)));
+            plans.cells.push(Some(CellPlan::new(prepared, study, *samples, prediction, None)));
+            continue;
+        }
+        if let Some(bounds) = prepared.predictions.at_most(strategy, *samples, &prepared.contrasts.weights) {
+            plans.cells.push(Some(CellPlan::new(prepared, study, *samples, prediction, Some(bounds))));
             continue;
         }
         let counts = [*samples, pilot_replicates(*samples)];
@@ -277,7 +281,10 @@ pub(super) fn plans<D: Desk>(
         })?;
         plans.pilot_rays += rays;
         plans.pilot_seconds += pilot.as_ref().map_or(0.0, |(_, seconds)| *seconds);
-        let plan = |(pilot, _)| CellPlan::new(prepared, study, technique, *samples, prediction, Some(&pilot));
+        let plan = |(pilot, _): (CellSums, f64)| {
+            let measured = CellPlan::piloted(prepared, technique, &pilot);
+            CellPlan::new(prepared, study, *samples, prediction, Some(measured))
+        };
         plans.cells.push(pilot.map(plan));
     }
     Ok(plans)

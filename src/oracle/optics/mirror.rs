@@ -130,6 +130,9 @@ struct Behind {
     normal: Vector<Wide>,
     /// What lies on the receiver's side of the mirror's plane, relative to the mirrored eye.
     lit: HalfSpace<Wide>,
+    /// Coordinates in units of the eye's height over the mirror's plane: with it grows the eye's own rounding, as it looks at
+    /// the window.
+    remoteness: f64,
 }
 
 /// What cuts a body that is in the way.
@@ -155,6 +158,8 @@ enum InTheWay {
 const FLUSH: f64 = 64.0 * f64::EPSILON;
 /// Above this, relative to the value, a bound calls for numbers of twice the width.
 const LOOSE: f64 = 1e-13;
+/// Above this many heights from the origin a mirrored eye's rounding is more than the terms' own.
+const REMOTE: f64 = 32.0;
 /// Relative error of what these return; of the sum of the terms' sizes.
 const WIDE_EPSILON: f64 = 1e-28;
 
@@ -190,7 +195,7 @@ impl MirrorOracle {
         let mut hasher = DefaultHasher::new();
         let behind = self.behind(point)?;
         for (index, source) in self.oracle.sources.iter().enumerate() {
-            let seen = self.of_source(index, point, &behind)?;
+            let seen = self.of_source(index, &behind)?;
             irradiance += source.exitance * seen.factor.value;
             form_factor += seen.factor.value;
             bound += source.exitance * seen.factor.bound;
@@ -250,6 +255,8 @@ impl MirrorOracle {
             eye: eye + plane * (height * 2.0),
             normal: mirrored,
             lit: HalfSpace { normal: plane, k: height },
+            remoteness: (point.position().length() * self.oracle.scale + self.origin.length())
+                / height.narrow().abs(),
         })
     }
 
@@ -274,7 +281,7 @@ impl MirrorOracle {
         }
     }
 
-    fn of_source(&self, index: usize, point: &MeasurementPoint, behind: &Behind) -> Result<Seen, OpticsError> {
+    fn of_source(&self, index: usize, behind: &Behind) -> Result<Seen, OpticsError> {
         let (eye, n) = (behind.eye.primal(), behind.normal.primal());
         let lit = HalfSpace { normal: Vector::constant(behind.lit.normal.primal()), k: behind.lit.k.narrow() };
         let shaded = HalfSpace { normal: -lit.normal, k: -lit.k };
@@ -360,10 +367,8 @@ impl MirrorOracle {
         seen.source_hidden.hash(&mut hasher);
         seen.outline.topology(&mut hasher);
         let mut factor = self.factor(index, &seen, &window, cut, &blockers, behind);
-        // The mirrored eye's own rounding, as it looks at the window.
-        let height = lit.k.abs();
-        factor.bound *= 1.0 + (point.position().length() * self.oracle.scale + self.origin.length()) / height * 1e-3;
-        factor.bound += doubt + self.blur(&seen, &blockers, eye, height);
+        factor.bound *= 1.0 + behind.remoteness * 1e-3;
+        factor.bound += doubt + self.blur(&seen, &blockers, eye, lit.k.abs());
         factor.value = factor.value.max(0.0);
         Ok(Seen { factor, is_dark: false, kind: hasher.finish() })
     }
@@ -399,7 +404,10 @@ impl MirrorOracle {
         let glass = || point_factor::unoccluded(&Form::plain(&self.glass, eye), window, n);
         let own = if seen.source_hidden { point_factor::from_terms(seen.source) } else { glass() };
         let shade = point_factor::from_terms(seen.occluders);
-        let plain = Factor { value: own.value - shade.value, bound: own.bound + shade.bound };
+        // As `blur` has it: an eye that is off moves all outlines.
+        let far = behind.remoteness;
+        let moved = if far > REMOTE { 4.0 * 4.0 * f64::EPSILON * far } else { 0.0 };
+        let plain = Factor { value: own.value - shade.value, bound: own.bound + shade.bound + moved };
         let is_grazing = |body: &Body| {
             let normal = match &body.figure {
                 Figure::Disk { normal, .. } => *normal,

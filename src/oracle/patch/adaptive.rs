@@ -35,6 +35,8 @@ pub(super) struct Spec {
     /// Width to which a change of kind is bisected, in units of the whole interval; where the function jumps there, to the
     /// last bit.
     pub resolution: f64,
+    /// How far off a node may be from where it should be: what the function changes by on that way no halving takes away.
+    pub blur: f64,
 }
 
 /// A node of [−1, 1] with its weights in three rules, each of which holds the nodes of the one before: 3, 7 and 15 points.
@@ -114,6 +116,9 @@ const DEEPEST: u32 = 48;
 /// Splits of one interval. Kinds that change more often than that flicker: they cannot be told there, and halving has to do.
 const MOST_SPLITS: u32 = 24;
 
+/// What is left of places that are off, in units of what the function changes by on the way: rules extrapolate to the ends.
+const BLURRED: f64 = 8.0;
+
 /// ∫ f over [from, to].
 ///
 /// - `ends`: whether the function leaves that end of the interval like a half-integer power
@@ -189,6 +194,13 @@ impl<K: Clone + PartialEq> Panel<K> {
     }
 }
 
+/// How much the function goes up and down from node to node; no less than one that falls to nothing over the whole interval.
+fn variation<K>(nodes: &[Option<(f64, Node<K>)>; 15], share: f64) -> f64 {
+    let values = || nodes.iter().flatten().map(|(_, node)| node.value);
+    let steps: f64 = values().zip(values().skip(1)).map(|(a, b)| (b - a).abs()).sum();
+    steps.max(share * values().fold(0.0, |most, value| value.abs().max(most)))
+}
+
 /// Two neighbours of different kinds.
 type Change<K> = ((f64, Node<K>), (f64, Node<K>));
 
@@ -235,6 +247,7 @@ impl<K: Clone + PartialEq, F: FnMut(f64) -> Node<K>, S: Fn() -> bool> Work<K, F,
                 own += weight * stretch * node.error;
                 size += weight * stretch * node.value.abs();
             }
+            own += BLURRED * self.spec.blur * variation(&nodes, length / self.width);
             // A kink may make the two rules agree by chance, but seldom the highest Legendre terms vanish, too.
             let difference = (fine - coarse).abs().max(wiggles[0].abs()).max(wiggles[1].abs());
             let (change, passed_over) = self.changes(&nodes, &panel);
@@ -361,7 +374,7 @@ mod tests {
     use approx::assert_abs_diff_eq;
 
     fn spec(error: f64) -> Spec {
-        Spec { density: error, floor: 1e-3 * error, resolution: 1e-9 }
+        Spec { density: error, floor: 1e-3 * error, resolution: 1e-9, blur: 0.0 }
     }
 
     #[test]

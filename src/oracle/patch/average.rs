@@ -64,6 +64,8 @@ const MOST_MIDDLES: usize = 8;
 /// The bound over the sum of the panels' own estimates. Where kinks were left to halving, the sum was up to 2.2 times too
 /// small.
 const CAUTION: f64 = 4.0;
+/// Coordinates in units of a patch's size beyond which their rounding shows in its average.
+const REMOTE: f64 = 64.0;
 /// Passes over the patch: the next one is made only if the last fell short, with what it has learnt of the average.
 const PASSES: u32 = 3;
 
@@ -235,7 +237,9 @@ impl Work<'_> {
     /// The integral over the patch, each part of it good to its share of `target`.
     fn pass(&self, target: f64, area: f64) -> Integral<()> {
         let bands: f64 = self.layout.bands.iter().map(|band| band.to - band.from).sum();
+        let blur = self.layout.blur();
         let spec = |density: f64, total: f64| Spec {
+            blur: if blur > REMOTE * f64::EPSILON * total { blur } else { 0.0 },
             density,
             floor: 1e-3 * density * total,
             // What is off by η in a place from which the value leaves like δ^{3/2} is off by η^{5/2}.

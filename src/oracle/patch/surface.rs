@@ -134,6 +134,11 @@ impl Layout {
         }
     }
 
+    /// How far a point may be from where it should be, metres: its coordinates are rounded.
+    pub fn blur(&self) -> f64 {
+        2.0 * f64::EPSILON * self.origin.abs().max_element()
+    }
+
     pub fn point(&self, s: f64, t: f64) -> DVec3 {
         self.origin + self.across * s + self.along * t
     }

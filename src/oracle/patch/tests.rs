@@ -108,7 +108,7 @@ fn two_walls_past_a_re_entrant_edge() {
             let x = if y <= 1.5 { 3.0 } else { y / (y - 1.0) };
             adaptive::Node { value: y * 3.0 * (g(x.hypot(y)) - g(y)), error: 0.0, kind: () }
         };
-        let spec = adaptive::Spec { density: 1e-14, floor: 1e-16, resolution: 1e-9 };
+        let spec = adaptive::Spec { density: 1e-14, floor: 1e-16, resolution: 1e-9, blur: 0.0 };
         adaptive::integrate(f, [from, to], ends, &[], spec, || false).value
     };
     let by_one_integral =

@@ -49,6 +49,15 @@ struct Spot {
     margin: OnceCell<f64>,
 }
 
+/// How far a cell reaches from its middle.
+#[derive(Clone, Copy, Debug)]
+struct Extent {
+    /// As seen from the receiver, radians, with a margin.
+    angle: f64,
+    /// On the source, metres.
+    size: f64,
+}
+
 /// How cells are integrated.
 pub(super) struct Cells<'a, F> {
     pub field: &'a Field<'a>,
@@ -62,7 +71,8 @@ pub(super) struct Cells<'a, F> {
 
 /// Beyond the finest strata, too: so often are those on an edge cut.
 const EDGE_BELOW: u32 = 4;
-/// A cell that is hardly narrower than the one that it is a quarter of, and beyond this level, is torn: it will not shrink.
+/// A cell that is hardly narrower and hardly smaller than the one that it is a quarter of, and beyond this level, is torn: it
+/// will not shrink. (One right before the receiver's eye gets smaller, and narrower only when it is as small as it is near.)
 const TORN_LEVEL: u32 = 11;
 const TORN: f64 = 0.8;
 /// Seen wider than this (radians), a cell is cut: the rule below knows nothing of spikes.
@@ -102,7 +112,7 @@ impl<F: Fn(&Landing) -> [Contribution; N], const N: usize> Cells<'_, F> {
         visit: &mut impl FnMut(u32, f64, &[SampleMoments; N]),
     ) -> [SampleMoments; N] {
         let corners = CORNERS.map(|(s, t)| self.spot(cell.at(s, t)));
-        self.part(cell, corners.each_ref(), level, f64::INFINITY, visit)
+        self.part(cell, corners.each_ref(), level, Extent { angle: f64::INFINITY, size: f64::INFINITY }, visit)
     }
 
     fn spot(&self, (u, v): (f64, f64)) -> Spot {
@@ -116,13 +126,13 @@ impl<F: Fn(&Landing) -> [Contribution; N], const N: usize> Cells<'_, F> {
         *spot.margin.get_or_init(|| self.field.margin(spot.direction))
     }
 
-    /// - `above`: how far the cell reaches of which this one is a quarter
+    /// - `above`: of the cell of which this one is a quarter
     fn part(
         &self,
         cell: Cell,
         corners: [&Spot; 4],
         level: u32,
-        above: f64,
+        above: Extent,
         visit: &mut impl FnMut(u32, f64, &[SampleMoments; N]),
     ) -> [SampleMoments; N] {
         let moments = self.found(cell, corners, level, above, visit);
@@ -137,14 +147,16 @@ impl<F: Fn(&Landing) -> [Contribution; N], const N: usize> Cells<'_, F> {
         cell: Cell,
         corners: [&Spot; 4],
         level: u32,
-        above: f64,
+        above: Extent,
         visit: &mut impl FnMut(u32, f64, &[SampleMoments; N]),
     ) -> [SampleMoments; N] {
         let middle = self.spot(cell.at(0.5, 0.5));
         let margin = self.margin(&middle);
         let distances = corners.map(|corner| corner.direction.distance(middle.direction));
         let reach = BULGE * distances.into_iter().fold(0.0, f64::max);
-        let is_torn = level > TORN_LEVEL && reach > TORN * above;
+        let sizes = corners.map(|corner| corner.place.position.distance(middle.place.position));
+        let extent = Extent { angle: reach, size: sizes.into_iter().fold(0.0, f64::max) };
+        let is_torn = level > TORN_LEVEL && reach > TORN * above.angle && extent.size > TORN * above.size;
         // The corners of a great cell may lie together (at a pole) and tell nothing of how far it reaches.
         let may_end = level >= SMOOTH_LEVEL.max(self.finest);
         if margin.abs() > reach {
@@ -173,7 +185,7 @@ impl<F: Fn(&Landing) -> [Contribution; N], const N: usize> Cells<'_, F> {
             });
         }
         self.quarters(cell, corners, &middle, &mut |quarter, corners| {
-            self.part(quarter, corners, level + 1, reach, visit)
+            self.part(quarter, corners, level + 1, extent, visit)
         })
     }
 

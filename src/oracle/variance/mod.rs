@@ -141,11 +141,11 @@ impl Oracle {
     /// - `counts`: numbers N of strata to answer for
     /// - `strata`: the strata of a count that is no power of 4, as `[u₀, u₁, v₀, v₁]`, all of area 1/N
     /// - returns one spread for each count; `None` as for `sample_moments`
-    pub fn strata_spreads(
+    pub fn strata_spreads<I: IntoIterator<Item = [f64; 4]>>(
         &self,
         point: &MeasurementPoint,
         counts: &[u64],
-        strata: &dyn Fn(u64) -> Vec<[f64; 4]>,
+        strata: &impl Fn(u64) -> I,
     ) -> Option<Vec<Spread>> {
         let mut spreads = vec![Spread::default(); counts.len()];
         for source in 0..self.sources.len() {
@@ -165,10 +165,10 @@ impl Oracle {
 }
 
 /// The same for one source; `None` where cells on an edge were too coarse to find the irradiance that is due.
-fn strata_of(
+fn strata_of<I: IntoIterator<Item = [f64; 4]>>(
     field: &Field,
     counts: &[u64],
-    strata: &dyn Fn(u64) -> Vec<[f64; 4]>,
+    strata: &impl Fn(u64) -> I,
     edge_level: u32,
     due: f64,
 ) -> Option<Vec<Spread>> {

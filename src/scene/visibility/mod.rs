@@ -10,6 +10,7 @@
 
 mod edges;
 mod grid;
+#[cfg(feature = "studies")]
 #[cfg(test)]
 mod tests;
 

@@ -53,6 +53,7 @@
 mod bets;
 mod capital;
 mod power;
+#[cfg(feature = "studies")]
 #[cfg(test)]
 mod tests;
 
