@@ -105,8 +105,8 @@
 //! Variances are predicted ([`oracle::variance`]) for all techniques and for independent and stratified points. For other
 //! point sets those of a pilot run of its own streams plan and judge, taken on the high side.
 #![forbid(unsafe_code)]
-// What the slim build leaves out has left helpers here and there. The build with all features tells what nobody uses.
-#![cfg_attr(not(feature = "studies"), allow(dead_code))]
+// What smaller builds leave out has left helpers here and there. The build with all features tells what nobody uses.
+#![cfg_attr(not(feature = "plots"), allow(dead_code))]
 
 #[cfg(feature = "studies")]
 pub mod calibration;

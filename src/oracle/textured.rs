@@ -22,8 +22,6 @@ use crate::texture::{Lookup, Raster, Texels, Texture};
 /// Relative errors of strips that will do for a value, and for a check.
 pub(super) const PRECISE: f64 = 1e-12;
 pub(super) const ROUGH: f64 = 1e-5;
-/// Relative error of strips, in units of rounding, where coordinates are as large as the source.
-const BLURRED: f64 = 256.0;
 
 /// What one source brings to a point, W/m².
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -116,8 +114,6 @@ impl Oracle {
     ) -> WeightedStrips {
         let emission = |place: DVec3| texture.at((body.center + place) / self.scale);
         let grain = grain(texture, body.center, self.scale);
-        // Where the texture is read is rounded as coordinates are; what that makes of it no strip is narrow enough for.
-        let precision = precision.max(BLURRED * f64::EPSILON * body.center.length() / body.reach);
         quadrature::visible_between(n, body, others, eye, &emission, &grain, precision)
     }
 }

@@ -149,7 +149,7 @@ pub fn rebuild(dir: &Path, plots: bool) -> Result<Rebuilt, ReportError> {
 
 /// Plots and page, from what the tables tell.
 fn show(dir: &Path, record: &ReportRecord, plots: bool, watched: bool) -> Result<Vec<PathBuf>, ReportError> {
-    let mut written = Vec::new();
+    let mut written: Vec<PathBuf> = Vec::new();
     #[cfg(feature = "plots")]
     if plots {
         written.extend(plot::write_all(&dir.join(folder::PLOTS), record)?);
