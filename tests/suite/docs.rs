@@ -316,5 +316,6 @@ mod worked_through {
         how_to_write_a_case: "how-to/write-a-case.md",
         how_to_compare_two_runs: "how-to/compare-two-runs.md",
         how_to_run_in_continuous_integration: "how-to/continuous-integration.md",
+        how_to_run_large_studies: "how-to/large-studies.md",
     }
 }
