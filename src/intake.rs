@@ -62,7 +62,7 @@ limits! {
             "each edge is compared with each other one";
         VERTICES = sooner(40_000, 400), count, "vertices of all polygons of one case",
             "the same, for all of them";
-        STUDY_ENTRIES = 1_000, count, "entries of a list in [study]",
+        STUDY_ENTRIES = 1_000, count, "entries of a list of a study",
             "each is measured, and compared with those before it";
     }
     "Files that a case names" {

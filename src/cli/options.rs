@@ -198,8 +198,8 @@ Examples:
   etendue run rooms/ --shard 1/2 --out b
   etendue merge a b -o whole               # the same bytes as `etendue run rooms/ --out whole`
 
-Files of shards are taken in any order, from any folders; two of the same shard are as good as one. What is missing, damaged or of
-another run is named, with what is to be run again.
+Files of shards are taken in any order, from any folders; two of the same shard are as good as one.
+What is missing, damaged or of another run is named, with what is to be run again.
 
 Exit codes: those of `run`, and
   6   shards are missing, damaged or foreign: nothing was written";
