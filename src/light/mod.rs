@@ -89,4 +89,6 @@ pub use settings::{Aim, LightSettings, Rings, Split};
 #[cfg(feature = "studies")]
 pub use sight::{First, Seen, Sight, Sighting};
 #[cfg(feature = "studies")]
+pub(crate) use trace::LightPiece;
+#[cfg(feature = "studies")]
 pub use trace::{LightRun, LightTracer, trace};

@@ -116,6 +116,12 @@ impl Tally {
         self.tiles.settle();
     }
 
+    /// Whether the books of both have the same pages.
+    pub fn is_alike(&self, other: &Tally) -> bool {
+        let sizes = |t: &Tally| [&t.orders, &t.rings, &t.tiles].map(|dense| dense.cells.len());
+        sizes(self) == sizes(other) && self.reached.len() == other.reached.len()
+    }
+
     /// Adds a later batch, all but its texels.
     pub fn merge(&mut self, other: &Tally) {
         self.rays += other.rays;

@@ -275,6 +275,14 @@ impl LightTracer {
 }
 
 impl LightSum<'_> {
+    /// Whether what is said to be a piece of such a run has its shape.
+    pub fn fits(&self, index: u64, piece: &LightPiece) -> bool {
+        let n_texels: usize = self.of.landings.iter().map(|landing| landing.grid.n_texels()).sum();
+        piece.books.groups == self.of.rays_of_piece(index) / self.of.rays_a_group()
+            && self.total.is_alike(&piece.books)
+            && piece.texels.iter().all(|(cell, _)| (*cell as usize) < 2 * n_texels)
+    }
+
     /// The next piece.
     pub fn add(&mut self, piece: &LightPiece) {
         self.total.merge(&piece.books);

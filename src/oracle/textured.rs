@@ -112,7 +112,9 @@ impl Oracle {
         eye: DVec3,
         precision: f64,
     ) -> WeightedStrips {
-        let emission = |place: DVec3| texture.at((body.center + place) / self.scale);
+        // Both are points of the surface; their coordinates may be large.
+        let anchor = body.center / self.scale - texture.anchor();
+        let emission = |place: DVec3| texture.at_offset(anchor + place / self.scale);
         let grain = grain(texture, body.center, self.scale);
         quadrature::visible_between(n, body, others, eye, &emission, &grain, precision)
     }
@@ -122,10 +124,12 @@ impl Oracle {
 pub(super) fn grain(texture: &Texture, center: DVec3, scale: f64) -> Grain {
     let Some(map) = texture.texels().map(Texels::map) else { return Grain::default() };
     let seams = texture.seams();
+    let anchor = map.anchor() * scale - center;
+    let from_center = |offset: DVec3| anchor + offset * scale;
     let line = |isoline: Isoline| match isoline {
-        Isoline::Segment(ends) => Line::Segment(ends.map(|p| p * scale - center)),
-        Isoline::Circle { center: middle, normal, radius } => {
-            Line::Circle { center: middle * scale - center, normal, radius: radius * scale }
+        Isoline::Segment(ends) => Line::Segment(ends.map(from_center)),
+        Isoline::Circle { center, normal, radius } => {
+            Line::Circle { center: from_center(center), normal, radius: radius * scale }
         }
     };
     // With half a turn more, where s wraps, it is the same line.
@@ -136,7 +140,7 @@ pub(super) fn grain(texture: &Texture, center: DVec3, scale: f64) -> Grain {
     let along_s = seams.s.iter().filter(is_new).filter_map(|s| map.line_of_s(*s)).map(|isoline| (0, line(isoline)));
     let along_t = seams.t.iter().filter_map(|t| map.line_of_t(*t)).map(|isoline| (1, line(isoline)));
     let ends = [0.0, 1.0].into_iter().zip(map.poles()).filter(|(_, is_pole)| *is_pole);
-    let poles = ends.map(|(t, _)| map.to_surface([0.0, t]) * scale - center);
+    let poles = ends.map(|(t, _)| from_center(map.offset([0.0, t])));
     Grain {
         lines: along_s.chain(along_t).collect(),
         poles: poles.collect(),
@@ -166,14 +170,18 @@ pub(super) fn parts(texture: &Texture, scale: f64) -> Vec<(Body, f64)> {
         if part.len() < 3 {
             return None;
         }
-        // About a corner of the surface, whose coordinates may be large.
-        let origin = map.to_surface(outline[0]);
-        let offsets: Vec<DVec3> = part.iter().map(|at| map.offset(outline[0], *at) * scale).collect();
+        // Their coordinates may be large.
+        let offsets: Vec<DVec3> = part.iter().map(|at| map.offset(*at) * scale).collect();
         let area: DVec3 =
             (1..offsets.len() - 1).map(|k| (offsets[k] - offsets[0]).cross(offsets[k + 1] - offsets[0])).sum();
         let normal = area.try_normalize()?;
-        let flat =
-            Flat { normal, origin: origin * scale, edges: outline::loop_of(offsets.len()), offsets, convex: true };
+        let flat = Flat {
+            normal,
+            origin: map.anchor() * scale,
+            edges: outline::loop_of(offsets.len()),
+            offsets,
+            convex: true,
+        };
         Some((Body::of_flat(flat), run.value))
     };
     runs(texels.raster()).into_iter().filter_map(of_run).collect()

@@ -93,6 +93,20 @@ pub(super) fn png(pixels: &[Rgb], [width, height]: [usize; 2], texts: &[(&str, S
     Ok(bytes)
 }
 
+/// Whether bytes are a whole picture of a page, none of them changed since it was written; why not, in words.
+pub(super) fn check(bytes: &[u8]) -> Result<(), String> {
+    /// Far more than a view has.
+    const PIXELS: u64 = 1 << 24;
+    let wrong = |error: png::DecodingError| error.to_string();
+    let mut reader = png::Decoder::new(bytes).read_info().map_err(wrong)?;
+    let (width, height) = (reader.info().width, reader.info().height);
+    if u64::from(width) * u64::from(height) > PIXELS {
+        return Err(format!("{width} × {height} pixels; at most {PIXELS} are accepted"));
+    }
+    let mut content = vec![0; reader.output_buffer_size()];
+    reader.next_frame(&mut content).and_then(|_| reader.finish()).map_err(wrong)
+}
+
 /// Channels that every picture has: NaN where there is no such thing.
 fn of_any(picture: &Picture) -> Vec<(&'static str, Vec<f64>)> {
     let all = |value: &dyn Fn(&Pixel) -> Option<f64>| -> Vec<f64> {

@@ -111,13 +111,17 @@ pub fn write(dir: &Path, outcome: &RunOutcome, options: &ReportOptions) -> Resul
     }
     written.push(folder::write_whole(dir, timings::FILE, timings::page(outcome).as_bytes())?);
     files.push(("manifest.json", manifest::manifest(outcome, options.generator).into_bytes()));
-    let record = record::read(Place::Memory(&files));
+    let mut record = record::read(Place::Memory(&files));
     let (name, content) = files.last().expect("the manifest was pushed");
     written.push(folder::write_whole(dir, name, content)?);
     drop(files);
     #[cfg(feature = "plots")]
     written.extend(views::write(dir, &record.cases, options.views)?);
-    written.extend(show(dir, &record, options.plots, options.watched)?);
+    let shown = show(dir, &mut record, options.plots, options.watched)?;
+    if let Some(fault) = shown.unread.into_iter().next() {
+        return Err(fault);
+    }
+    written.extend(shown.written);
     Ok(written)
 }
 
@@ -133,7 +137,7 @@ pub fn rebuild(dir: &Path, plots: bool) -> Result<Rebuilt, ReportError> {
     if !dir.is_dir() {
         return Err(ReportError::NoReport { path: dir.to_owned(), missing: None });
     }
-    let record = record::read(Place::Folder(dir));
+    let mut record = record::read(Place::Folder(dir));
     if record.cases.is_empty() {
         return Err(ReportError::NoReport {
             path: dir.to_owned(),
@@ -143,12 +147,19 @@ pub fn rebuild(dir: &Path, plots: bool) -> Result<Rebuilt, ReportError> {
     if plots {
         folder::claim_plots(dir)?;
     }
-    let written = show(dir, &record, plots, false)?;
-    Ok(Rebuilt { written, faults: record.faults })
+    let shown = show(dir, &mut record, plots, false)?;
+    Ok(Rebuilt { written: shown.written, faults: record.faults })
+}
+
+/// What was made of a report's tables.
+struct Shown {
+    written: Vec<PathBuf>,
+    /// Pictures that are there and could not be read: the page stands without them, and says so.
+    unread: Vec<ReportError>,
 }
 
 /// Plots and page, from what the tables tell.
-fn show(dir: &Path, record: &ReportRecord, plots: bool, watched: bool) -> Result<Vec<PathBuf>, ReportError> {
+fn show(dir: &Path, record: &mut ReportRecord, plots: bool, watched: bool) -> Result<Shown, ReportError> {
     let mut written: Vec<PathBuf> = Vec::new();
     #[cfg(feature = "plots")]
     if plots {
@@ -162,13 +173,23 @@ fn show(dir: &Path, record: &ReportRecord, plots: bool, watched: bool) -> Result
         let kinds = folder::PLOT_KINDS.iter().map(|kind| format!("{}-{kind}.svg", stems[k]));
         kinds.filter(|name| names.contains(name)).collect()
     };
-    #[cfg(feature = "plots")]
-    let pictures = |k: usize| views::of_case(dir, &stems[k], &record.cases[k]);
-    #[cfg(not(feature = "plots"))]
-    let pictures = |_: usize| Vec::new();
+    let (pictures, unread) = pictures(dir, record, &stems);
+    record.faults.extend(unread.iter().map(|fault| format!("{fault}.")));
     let beside = index::Beside { plots: &of_case, pictures: &pictures, watched };
     written.push(folder::write_whole(dir, index::FILE, index::page(record, &beside).as_bytes())?);
-    Ok(written)
+    Ok(Shown { written, unread })
+}
+
+/// Of each case: pictures by name, as PNG; and those that are there and could not be read.
+#[cfg(feature = "plots")]
+fn pictures(dir: &Path, record: &ReportRecord, stems: &[String]) -> (Vec<index::Pictures>, Vec<ReportError>) {
+    let mut unread = Vec::new();
+    let of_cases = record.cases.iter().zip(stems).map(|(case, stem)| views::of_case(dir, stem, case, &mut unread));
+    (of_cases.collect(), unread)
+}
+#[cfg(not(feature = "plots"))]
+fn pictures(_: &Path, record: &ReportRecord, _: &[String]) -> (Vec<index::Pictures>, Vec<ReportError>) {
+    (vec![Vec::new(); record.cases.len()], Vec::new())
 }
 
 /// The name of a file of a report.
@@ -181,7 +202,8 @@ pub(crate) fn file_named(name: &str) -> Option<&'static str> {
 #[cfg(any(fuzzing, test))]
 pub(crate) fn try_page(files: &[(&'static str, Vec<u8>)]) {
     let record = record::read(Place::Memory(files));
-    let beside = index::Beside { plots: &|_| Vec::new(), pictures: &|_| Vec::new(), watched: false };
+    let pictures = vec![Vec::new(); record.cases.len()];
+    let beside = index::Beside { plots: &|_| Vec::new(), pictures: &pictures, watched: false };
     index::page(&record, &beside);
     if let Ok(record) = read::read_from(Place::Memory(files)) {
         let comparison = crate::trial::compare(&record, &record, &None);

@@ -1,10 +1,12 @@
 //! The pictures of receivers beside a report's page: written as PNG, found again by their names.
 
+use std::io;
 use std::path::{Path, PathBuf};
 
 use super::ReportError;
 use super::folder::{VIEW_ENDING, VIEWS, file_stems, write_whole};
 use super::image::{self, Rgb, Tone, quantile};
+use super::index::Pictures;
 use super::plot::Scale;
 use super::record::CaseRecord;
 use crate::intake::VIEW_BYTES;
@@ -49,22 +51,41 @@ pub(super) fn write(dir: &Path, cases: &[CaseRecord], views: &[ReceiverViews]) -
     Ok(written)
 }
 
-/// The pictures of one case that a report's folder has, each with what it shows: exact, estimates, errors.
-pub(super) fn of_case(dir: &Path, stem: &str, case: &CaseRecord) -> Vec<(String, Vec<u8>)> {
-    // Something else may lie under such a name: a pipe would be waited for, a page would show it broken.
-    let of = |name: &str| {
+/// The pictures of one case that a report's folder has, each with what it shows: exact, estimates, errors. What lies under
+/// such a name and is none is left out, and told.
+pub(super) fn of_case(dir: &Path, stem: &str, case: &CaseRecord, faults: &mut Vec<ReportError>) -> Pictures {
+    let mut png = |name: &str| {
         let path = dir.join(VIEWS).join(format!("{stem}-{name}{VIEW_ENDING}"));
-        let what = std::fs::metadata(&path).ok().filter(|what| what.is_file() && what.len() <= VIEW_BYTES);
-        what.and_then(|_| std::fs::read(path).ok())
+        picture(&path).unwrap_or_else(|source| {
+            faults.push(ReportError::Unreadable { path, source });
+            None
+        })
     };
-    let png = |name: &str| of(name).filter(|bytes| bytes.starts_with(b"\x89PNG\r\n\x1a\n"));
-    let exact = png("exact").map(|bytes| ("exact".to_owned(), bytes));
-    // A guest may be called what a picture is.
-    let own = || case.strategies.iter().filter(|made| made.known().is_some());
-    let names = || own().map(|made| made.name.as_str());
     let shown = super::index::shown;
-    let estimates = names().filter_map(|name| Some((shown(name), png(name)?)));
-    let errors =
-        names().filter_map(|name| Some((format!("error of {}", shown(name)), png(&format!("{name}-error"))?)));
-    exact.into_iter().chain(estimates).chain(errors).collect()
+    // A guest may be called what a picture is.
+    let names: Vec<&str> =
+        case.strategies.iter().filter(|made| made.known().is_some()).map(|made| made.name.as_str()).collect();
+    let mut pictures: Pictures = png("exact").map(|bytes| ("exact".to_owned(), bytes)).into_iter().collect();
+    pictures.extend(names.iter().filter_map(|name| Some((shown(name), png(name)?))));
+    let error = |name: &&str| Some((format!("error of {}", shown(name)), png(&format!("{name}-error"))?));
+    pictures.extend(names.iter().filter_map(error));
+    pictures
+}
+
+/// `None` where there is nothing under its name.
+fn picture(path: &Path) -> io::Result<Option<Vec<u8>>> {
+    let what = match std::fs::metadata(path) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+        what => what?,
+    };
+    // A pipe would be waited for, a page would show it broken.
+    if !what.is_file() {
+        return Err(io::Error::other("it is no file"));
+    }
+    if what.len() > VIEW_BYTES {
+        return Err(io::Error::other(format!("it holds {} bytes; at most {VIEW_BYTES} are read", what.len())));
+    }
+    let bytes = std::fs::read(path)?;
+    image::check(&bytes).map_err(io::Error::other)?;
+    Ok(Some(bytes))
 }

@@ -97,10 +97,27 @@ impl Texture {
     /// The value at a point of the surface (metres); beside it, that of the nearest point, as the map takes it.
     #[inline]
     pub fn at(&self, point: DVec3) -> f64 {
+        self.at_offset(point - self.anchor())
+    }
+
+    /// A point of the surface, metres: the [anchor](crate::geometry::Parametrisation::anchor) of the map, the centre of a
+    /// polynomial's rectangle.
+    #[inline]
+    pub fn anchor(&self) -> DVec3 {
         match self {
-            Texture::Texels(texels) => texels.at(point),
+            Texture::Texels(texels) => texels.map().anchor(),
+            Texture::Polynomial(on) => on.rectangle.center(),
+        }
+    }
+
+    /// The value at a point given by its offset from the [anchor](Texture::anchor), metres: far from the origin, with digits
+    /// that coordinates have lost.
+    #[inline]
+    pub fn at_offset(&self, offset: DVec3) -> f64 {
+        match self {
+            Texture::Texels(texels) => texels.at_offset(offset),
             Texture::Polynomial(on) => {
-                let [s, t] = on.edges.metres(point);
+                let [s, t] = on.edges.metres(offset);
                 on.polynomial.value(s, t).max(0.0)
             }
         }

@@ -49,7 +49,7 @@ impl ExitancePolynomial {
 
     /// W/m² at a position (metres) on a rectangle; beside its plane, that of the nearest point in it.
     pub fn value_at(&self, rectangle: &Rectangle, position: DVec3) -> f64 {
-        let [s, t] = Edges::new(rectangle).metres(position);
+        let [s, t] = Edges::new(rectangle).metres(position - rectangle.center());
         self.value(s, t)
     }
 
@@ -84,7 +84,6 @@ impl ExitancePolynomial {
 /// A rectangle's unit edges, prepared for many places.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Edges {
-    center: DVec3,
     u: DVec3,
     v: DVec3,
     /// Edges may be off the right angle by rounding: u·v, and 1 less its square.
@@ -96,13 +95,12 @@ impl Edges {
     pub fn new(rectangle: &Rectangle) -> Edges {
         let (u, v) = (rectangle.edge_u().normalize(), rectangle.edge_v().normalize());
         let cosine = u.dot(v);
-        Edges { center: rectangle.center(), u, v, cosine, square: 1.0 - cosine * cosine }
+        Edges { u, v, cosine, square: 1.0 - cosine * cosine }
     }
 
-    /// Metres from the centre along either edge; beside the plane, of the nearest point in it.
+    /// Metres from the centre along either edge, of an offset from the centre; beside the plane, of the nearest point in it.
     #[inline]
-    pub fn metres(&self, position: DVec3) -> [f64; 2] {
-        let offset = position - self.center;
+    pub fn metres(&self, offset: DVec3) -> [f64; 2] {
         let (along_u, along_v) = (offset.dot(self.u), offset.dot(self.v));
         [(along_u - self.cosine * along_v) / self.square, (along_v - self.cosine * along_u) / self.square]
     }

@@ -109,11 +109,17 @@ impl Texels {
     }
 
     /// The value at a point of the surface, metres.
+    #[inline]
     pub fn at(&self, point: DVec3) -> f64 {
+        self.at_offset(point - self.map.anchor())
+    }
+
+    /// The value at a point given by its offset from the map's [anchor](Parametrisation::anchor), metres.
+    pub fn at_offset(&self, offset: DVec3) -> f64 {
         if let Reading::Nearest(Some(finder)) = &self.reading {
-            return self.raster.value(finder.texel(point));
+            return self.raster.value(finder.texel_from_anchor(offset));
         }
-        self.at_map(self.map.to_map(point))
+        self.at_map(self.map.to_map_from_anchor(offset))
     }
 
     /// The value at a place of the map.

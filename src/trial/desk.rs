@@ -87,11 +87,13 @@ pub(super) trait Desk: Sync {
     /// What a unit comes to, and its seconds: as it was kept, or made now.
     ///
     /// - `rays`: that `make` tells of
+    /// - `fits`: whether what was kept has the shape of what `make` returns; else it is not what was asked for
     /// - `None`: it is somebody else's
     fn unit<T: Record>(
         &self,
         _portion: Portion,
         _rays: u64,
+        _fits: impl Fn(&T) -> bool,
         make: impl FnOnce() -> Result<(T, f64), Self::End>,
     ) -> Result<Option<(T, f64)>, Self::End> {
         make().map(Some)

@@ -99,6 +99,20 @@ impl CellSums {
         }
     }
 
+    /// Whether these are sums of such a cell, all replicates counted.
+    #[cfg(feature = "studies")]
+    pub fn fits(&self, prepared: &Prepared, [samples, replicates]: [u64; 2]) -> bool {
+        let n_points = prepared.exact.len();
+        let count = |sums: &[PowerSums]| sums.iter().all(|sums| sums.count() == replicates);
+        [self.samples, self.replicates] == [samples, replicates]
+            && [self.points.len(), self.contrasts.len()] == [n_points, prepared.contrasts.exact.len()]
+            && count(&self.points)
+            && count(&self.contrasts)
+            && self.batches.len() as u64 == BATCHES.min(replicates)
+            && self.batches.iter().all(|batch| batch.len() == n_points)
+            && self.kept.is_empty()
+    }
+
     /// One more replicate, which somebody else made: its estimates at all points, W/m².
     pub fn add(&mut self, prepared: &Prepared, estimates: &[f64]) {
         self.points.iter_mut().zip(estimates).for_each(|(sums, estimate)| sums.add(*estimate));
@@ -120,6 +134,19 @@ struct PartSums {
     kept: Vec<f64>,
 }
 
+impl PartSums {
+    /// Whether these are sums of such replicates.
+    fn fits(&self, prepared: &Prepared, replicates: &Range<u64>) -> bool {
+        let n_points = prepared.exact.len();
+        let count = |sums: &[PowerSums]| sums.iter().all(|sums| sums.count() == replicates.end - replicates.start);
+        let kept = replicates.end.min(KEPT_REPLICATES).saturating_sub(replicates.start) as usize;
+        [self.points.len(), self.contrasts.len()] == [n_points, prepared.contrasts.exact.len()]
+            && count(&self.points)
+            && count(&self.contrasts)
+            && self.kept.len() == if n_points <= KEPT_POINTS { kept * n_points } else { 0 }
+    }
+}
+
 /// Measures a cell to its end, and tells nobody.
 pub(super) fn measure_alone(
     prepared: &Prepared,
@@ -134,6 +161,7 @@ pub(super) fn measure_alone(
 
 /// A cell as one unit, and what is made of it: of a small one all is kept at once, of a large one part by part.
 ///
+/// - `fits`: whether what was kept at once is such
 /// - `finish`: makes of the sums what is wanted
 /// - `None`: some of it is somebody else's
 pub(super) fn measure_unit<D: Desk, T: Record>(
@@ -142,6 +170,7 @@ pub(super) fn measure_unit<D: Desk, T: Record>(
     strategy: Strategy,
     [samples, replicates]: [u64; 2],
     desk: &D,
+    fits: impl Fn(&T) -> bool,
     finish: impl FnOnce(CellSums) -> (T, f64),
 ) -> Result<Option<(T, f64)>, D::End> {
     let rays = rays_of(prepared, samples, replicates);
@@ -149,7 +178,7 @@ pub(super) fn measure_unit<D: Desk, T: Record>(
         return Ok(measure(prepared, purpose, strategy, samples, replicates, desk)?.map(finish));
     }
     let part = Portion::whole(Stage::of_cell(purpose, strategy, samples));
-    desk.unit(part, rays, || {
+    desk.unit(part, rays, fits, || {
         let sums = measure(prepared, purpose, strategy, samples, replicates, &Within(desk))?;
         Ok(finish(sums.expect("nobody else has a part of it")))
     })
@@ -192,8 +221,9 @@ pub(super) fn measure<D: Desk>(
             let range = range(*index);
             let part = Portion { stage, index: *index, of };
             let of_part = rays * (range.end - range.start);
-            desk.unit(part, of_part, || {
-                measure_part(prepared, strategy, samples, key, range, |done| desk.traced(rays * done))
+            let fits = |part: &PartSums| part.fits(prepared, &range);
+            desk.unit(part, of_part, fits, || {
+                measure_part(prepared, strategy, samples, key, range.clone(), |done| desk.traced(rays * done))
             })
         });
         for part in done {

@@ -80,12 +80,13 @@ impl Desk for Onlooker<'_> {
         &self,
         portion: Portion,
         rays: u64,
+        fits: impl Fn(&T) -> bool,
         make: impl FnOnce() -> Result<(T, f64), Stopped>,
     ) -> Result<Option<(T, f64)>, Stopped> {
         let Some((keeper, case)) = self.keeper else { return make().map(Some) };
         let unit = Unit { case, portion };
-        let found =
-            keeper.found(&unit).and_then(|kept| Some((postcard::from_bytes(&kept.bytes).ok()?, kept.seconds)));
+        let read = |kept: Kept| Some((postcard::from_bytes(&kept.bytes).ok().filter(&fits)?, kept.seconds));
+        let found = keeper.found(&unit).and_then(read);
         if let Some(found) = found {
             self.traced(rays)?;
             return Ok(Some(found));

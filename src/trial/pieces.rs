@@ -5,7 +5,7 @@ use std::time::Instant;
 use super::desk::{Desk, Portion, Stage};
 use super::onlooker::{Onlooker, Stopped};
 use crate::case::Case;
-use crate::light::{LightRun, LightSettings, LightTracer};
+use crate::light::{LightPiece, LightRun, LightSettings, LightTracer};
 use crate::path::{AsItIs, PathRun, PathSettings, PathTracer};
 
 /// Light of a case, and the seconds it took.
@@ -30,7 +30,8 @@ pub(super) fn light(
     let (mut all, mut seconds) = (true, 0.0);
     for index in 0..of {
         let piece = u64::from(index);
-        let made = onlooker.unit(Portion { stage, index, of }, tracer.rays_of_piece(piece), || {
+        let fits = |found: &LightPiece| sum.fits(piece, found);
+        let made = onlooker.unit(Portion { stage, index, of }, tracer.rays_of_piece(piece), fits, || {
             let start = Instant::now();
             let piece = tracer.piece(piece, &|rays| onlooker.traced(rays))?;
             Ok((piece, start.elapsed().as_secs_f64()))
@@ -101,7 +102,8 @@ impl Pieces<'_> {
         let (mut all, mut seconds) = (true, 0.0);
         for k in 0..of {
             let part = Portion { stage, index: k as u32, of: of as u32 };
-            let made = onlooker.unit(part, rays(k), || {
+            let fits = |run: &PathRun| run.points.len() == nothing.points.len();
+            let made = onlooker.unit(part, rays(k), fits, || {
                 let start = Instant::now();
                 let run = piece(k, &|rays| onlooker.traced(rays))?;
                 Ok((run, start.elapsed().as_secs_f64()))

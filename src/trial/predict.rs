@@ -140,6 +140,19 @@ impl Predictions {
         Ok(Predictions { area, others, strata, shared })
     }
 
+    /// Whether these are predictions for so many points, and such a study.
+    pub fn fits(&self, n_points: usize, study: &Study, weights: &[Vec<f64>], pairs: &[(usize, usize)]) -> bool {
+        let few = study.samples.iter().filter(|n| **n <= MOST_STRATA).count();
+        let techniques = study.strategies.iter().map(|strategy| strategy.technique());
+        let others = techniques.filter(|technique| *technique != Technique::Area);
+        let of_shared = |shared: &SharedSpreads| [shared.contrasts.len(), shared.correlations.len()];
+        [self.area.len(), self.strata.len()] == [n_points; 2]
+            && others.into_iter().all(|technique| self.others.contains_key(&technique))
+            && self.others.values().all(|spreads| spreads.len() == n_points)
+            && self.strata.iter().flatten().all(|spreads| spreads.len() == few)
+            && self.shared.as_ref().is_none_or(|shared| of_shared(shared) == [weights.len(), pairs.len()])
+    }
+
     /// What is predicted of a strategy at the study's `index`-th sample count.
     pub fn cell(&self, strategy: Strategy, study: &Study, index: usize, weights: &[Vec<f64>]) -> CellPrediction {
         let n = study.samples[index] as f64;

@@ -44,7 +44,8 @@ impl<'a> Ready<'a> {
         let configuration = &case.configuration;
         let oracle = Oracle::new(configuration);
         let points = configuration.points();
-        let exact = desk.unit(Portion::whole(Stage::Exact), 0, || {
+        let fits = |(truths, full): &(Vec<Truth>, Vec<f64>)| [truths.len(), full.len()] == [points.len(); 2];
+        let exact = desk.unit(Portion::whole(Stage::Exact), 0, fits, || {
             let start = Instant::now();
             let truth = |point| desk.traced(0).map(|()| oracle.at(point));
             let truths: Vec<Truth> = points.iter().map(truth).collect::<Result<_, D::End>>()?;
@@ -59,9 +60,10 @@ impl<'a> Ready<'a> {
         let contrasts = Contrasts::new(&exact);
         let grazing = points.iter().zip(&truths).map(|(point, truth)| grazing(configuration, point, truth));
         let grazing = grazing.collect();
-        let predictions = desk.unit(Portion::whole(Stage::Predictions), 0, || {
+        let pairs = correlation::pairs(configuration);
+        let fits = |asked: &Predictions| asked.fits(points.len(), study, &contrasts.weights, &pairs);
+        let predictions = desk.unit(Portion::whole(Stage::Predictions), 0, fits, || {
             let start = Instant::now();
-            let pairs = correlation::pairs(configuration);
             let asked = Predictions::at(&oracle, configuration, study, &contrasts.weights, &pairs, desk)?;
             Ok((asked, start.elapsed().as_secs_f64()))
         })?;

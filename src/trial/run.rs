@@ -275,7 +275,8 @@ pub(super) fn plans<D: Desk>(
         let counts = [*samples, pilot_replicates(*samples)];
         let rays = rays_of(prepared, counts[0], counts[1]);
         desk.planned(rays)?;
-        let pilot = measure_unit(prepared, Purpose::Pilot, strategy, counts, desk, |sums| {
+        let fits = |sums: &CellSums| sums.fits(prepared, counts);
+        let pilot = measure_unit(prepared, Purpose::Pilot, strategy, counts, desk, fits, |sums| {
             let seconds = sums.seconds;
             (CellSums { kept: Vec::new(), ..sums }, seconds)
         })?;
@@ -312,7 +313,8 @@ fn run_strategy(
     let finished = |plan: &Option<CellPlan>| {
         let Some(plan) = plan else { return Ok(None) };
         let counts = [plan.samples, plan.replicates];
-        let finished = measure_unit(prepared, Purpose::Measurement, strategy, counts, onlooker, |mut sums| {
+        let fits = |finished: &Finished| finished.sums.fits(prepared, counts);
+        let finished = measure_unit(prepared, Purpose::Measurement, strategy, counts, onlooker, fits, |mut sums| {
             let correlations = correlations(prepared, strategy, &sums, plan);
             sums.kept = Vec::new();
             let seconds = sums.seconds;

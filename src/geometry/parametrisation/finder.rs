@@ -11,7 +11,7 @@ use super::{Chart, Parametrisation, Texel, TexelGrid};
 /// Agrees with [`TexelGrid::texel`] of [`Parametrisation::to_map`] but for points within rounding of a border.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TexelFinder {
-    center: DVec3,
+    anchor: DVec3,
     /// s = 0, s = ¼, and what t is told by.
     axes: [DVec3; 3],
     is_disk: bool,
@@ -30,15 +30,15 @@ impl TexelFinder {
         };
         let columns = borders(grid.ns()).map(column).collect();
         match &map.chart {
-            Chart::Disk { center, zero, quarter, radius } => Some(TexelFinder {
-                center: *center,
+            Chart::Disk { zero, quarter, radius, .. } => Some(TexelFinder {
+                anchor: map.anchor(),
                 axes: [*zero, *quarter, DVec3::ZERO],
                 is_disk: true,
                 columns,
                 rows: borders(grid.nt()).map(|t| t * radius * radius).collect(),
             }),
-            Chart::Sphere { center, equator, east, north, radius } => Some(TexelFinder {
-                center: *center,
+            Chart::Sphere { equator, east, north, radius, .. } => Some(TexelFinder {
+                anchor: map.anchor(),
                 axes: [*equator, *east, *north],
                 is_disk: false,
                 columns,
@@ -52,7 +52,12 @@ impl TexelFinder {
     /// The texel that holds a point of the surface (metres).
     #[inline]
     pub fn texel(&self, point: DVec3) -> Texel {
-        let offset = point - self.center;
+        self.texel_from_anchor(point - self.anchor)
+    }
+
+    /// The same of a point given by its offset from the map's [anchor](Parametrisation::anchor), metres.
+    #[inline]
+    pub fn texel_from_anchor(&self, offset: DVec3) -> Texel {
         let [x, y, z] = self.axes.map(|axis| offset.dot(axis));
         let along_t = if self.is_disk { x * x + y * y } else { z };
         Texel { i: below(&self.columns, turn(x, y)), j: below(&self.rows, along_t) }

@@ -5,12 +5,12 @@ use std::f64::consts::{PI, TAU};
 
 use super::{Chart, Parametrisation};
 
-/// A curve on a surface.
+/// A curve on a surface, by offsets from the [anchor](Parametrisation::anchor) of its map, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Isoline {
-    /// From one point to another, metres.
+    /// From one point to another.
     Segment([DVec3; 2]),
-    /// A whole circle; metres, and a unit normal.
+    /// A whole circle, and its unit normal.
     Circle { center: DVec3, normal: DVec3, radius: f64 },
 }
 
@@ -20,16 +20,16 @@ impl Parametrisation {
     /// On a disk it comes with where s is half a turn more: a diameter; on a sphere likewise: a whole great circle.
     pub fn line_of_s(&self, s: f64) -> Option<Isoline> {
         match &self.chart {
-            Chart::Rectangle(plane) => Some(Isoline::Segment([plane.at(s, 0.0), plane.at(s, 1.0)])),
+            Chart::Rectangle(plane) => Some(Isoline::Segment([plane.offset(s, 0.0), plane.offset(s, 1.0)])),
             Chart::Triangle { .. } => self.across_triangle(0, s),
-            Chart::Disk { center, zero, quarter, radius } => {
+            Chart::Disk { zero, quarter, radius, .. } => {
                 let (sin, cos) = libm::sincos(TAU * s);
                 let way = (*zero * cos + *quarter * sin) * *radius;
-                Some(Isoline::Segment([*center - way, *center + way]))
+                Some(Isoline::Segment([-way, way]))
             }
-            Chart::Sphere { center, equator, east, radius, .. } => {
+            Chart::Sphere { equator, east, radius, .. } => {
                 let (sin, cos) = libm::sincos(TAU * s);
-                Some(Isoline::Circle { center: *center, normal: *east * cos - *equator * sin, radius: *radius })
+                Some(Isoline::Circle { center: DVec3::ZERO, normal: *east * cos - *equator * sin, radius: *radius })
             }
         }
     }
@@ -37,20 +37,17 @@ impl Parametrisation {
     /// Where t has one value; `None` where no more than a point of the surface has it.
     pub fn line_of_t(&self, t: f64) -> Option<Isoline> {
         match &self.chart {
-            Chart::Rectangle(plane) => Some(Isoline::Segment([plane.at(0.0, t), plane.at(1.0, t)])),
+            Chart::Rectangle(plane) => Some(Isoline::Segment([plane.offset(0.0, t), plane.offset(1.0, t)])),
             Chart::Triangle { .. } => self.across_triangle(1, t),
-            Chart::Disk { center, zero, quarter, radius } => {
+            Chart::Disk { zero, quarter, radius, .. } => {
                 let circle =
-                    Isoline::Circle { center: *center, normal: zero.cross(*quarter), radius: radius * t.sqrt() };
+                    Isoline::Circle { center: DVec3::ZERO, normal: zero.cross(*quarter), radius: radius * t.sqrt() };
                 (t > 0.0).then_some(circle)
             }
-            Chart::Sphere { center, north, radius, .. } => {
+            Chart::Sphere { north, radius, .. } => {
                 let (sin, cos) = libm::sincos(PI * t);
-                let circle = Isoline::Circle {
-                    center: *center - *north * (cos * radius),
-                    normal: *north,
-                    radius: radius * sin,
-                };
+                let circle =
+                    Isoline::Circle { center: -*north * (cos * radius), normal: *north, radius: radius * sin };
                 (t > 0.0 && t < 1.0).then_some(circle)
             }
         }
@@ -68,6 +65,6 @@ impl Parametrisation {
         let crossings: Vec<[f64; 2]> = (0..3).filter_map(crossing).collect();
         let low = crossings.iter().copied().min_by(|a, b| a[along].total_cmp(&b[along]))?;
         let high = crossings.iter().copied().max_by(|a, b| a[along].total_cmp(&b[along]))?;
-        (low != high).then(|| Isoline::Segment([self.to_surface(low), self.to_surface(high)]))
+        (low != high).then(|| Isoline::Segment([self.offset(low), self.offset(high)]))
     }
 }

@@ -87,9 +87,10 @@ enum Chart {
     Sphere { center: DVec3, equator: DVec3, east: DVec3, north: DVec3, radius: f64 },
 }
 
-/// origin + a first + b second.
+/// anchor + origin + a first + b second.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Affine {
+    anchor: DVec3,
     origin: DVec3,
     first: DVec3,
     second: DVec3,
@@ -99,20 +100,21 @@ struct Affine {
 }
 
 impl Affine {
-    fn new(origin: DVec3, first: DVec3, second: DVec3) -> Affine {
+    fn new(anchor: DVec3, origin: DVec3, first: DVec3, second: DVec3) -> Affine {
         let normal = first.cross(second);
-        Affine { origin, first, second, normal, square: normal.length_squared() }
+        Affine { anchor, origin, first, second, normal, square: normal.length_squared() }
     }
 
-    fn at(&self, a: f64, b: f64) -> DVec3 {
+    /// From the anchor.
+    fn offset(&self, a: f64, b: f64) -> DVec3 {
         self.origin + self.first * a + self.second * b
     }
 
-    /// a and b by Cramer's rule, of the nearest point in the plane: with n = first × second and d the offset,
+    /// a and b by Cramer's rule, of the nearest point in the plane: with n = first × second and d the offset from the origin,
     /// a = (d × second)·n / n·n, b = (first × d)·n / n·n.
     #[inline]
-    fn solve(&self, point: DVec3) -> [f64; 2] {
-        let offset = point - self.origin;
+    fn solve(&self, offset: DVec3) -> [f64; 2] {
+        let offset = offset - self.origin;
         let (a, b) = (offset.cross(self.second).dot(self.normal), self.first.cross(offset).dot(self.normal));
         [a / self.square, b / self.square]
     }
@@ -122,8 +124,11 @@ impl Parametrisation {
     /// s runs along `edge_u`, t along `edge_v`, from the corner where both are least.
     pub fn rectangle(rectangle: &Rectangle) -> Parametrisation {
         let (first, second) = (rectangle.edge_u(), rectangle.edge_v());
-        let origin = rectangle.center() - first * 0.5 - second * 0.5;
-        Parametrisation { chart: Chart::Rectangle(Affine::new(origin, first, second)), area: rectangle.area() }
+        let origin = -first * 0.5 - second * 0.5;
+        Parametrisation {
+            chart: Chart::Rectangle(Affine::new(rectangle.center(), origin, first, second)),
+            area: rectangle.area(),
+        }
     }
 
     /// The vertices lie at the corners of `map`, and what is between them is laid out affinely.
@@ -134,7 +139,7 @@ impl Parametrisation {
     pub fn triangle(vertices: [DVec3; 3], map: MapTriangle) -> Result<Parametrisation, ParametrisationError> {
         let area = triangle_area(vertices)?;
         let [p0, p1, p2] = vertices;
-        let plane = Affine::new(p0, p1 - p0, p2 - p0);
+        let plane = Affine::new(p0, DVec3::ZERO, p1 - p0, p2 - p0);
         Ok(Parametrisation { chart: Chart::Triangle { plane, map }, area })
     }
 
@@ -203,16 +208,31 @@ impl Parametrisation {
     ///   by one over the share of the radius that the point is off the axis
     #[inline]
     pub fn to_map(&self, point: DVec3) -> [f64; 2] {
+        self.to_map_from_anchor(point - self.anchor())
+    }
+
+    /// A point of the surface to which the others are given by offsets, metres: the centre of a rectangle, disk or sphere,
+    /// the first vertex of a triangle. Far from the origin offsets keep digits that coordinates have lost.
+    #[inline]
+    pub fn anchor(&self) -> DVec3 {
+        match &self.chart {
+            Chart::Rectangle(plane) | Chart::Triangle { plane, .. } => plane.anchor,
+            Chart::Disk { center, .. } | Chart::Sphere { center, .. } => *center,
+        }
+    }
+
+    /// [`Parametrisation::to_map`] of a point given by its offset from the [anchor](Parametrisation::anchor), metres.
+    #[inline]
+    pub fn to_map_from_anchor(&self, offset: DVec3) -> [f64; 2] {
         let [s, t] = match &self.chart {
-            Chart::Rectangle(plane) => plane.solve(point),
-            Chart::Triangle { plane, map } => map.at(plane.solve(point)),
-            Chart::Disk { center, zero, quarter, radius } => {
-                let offset = (point - *center) / *radius;
+            Chart::Rectangle(plane) => plane.solve(offset),
+            Chart::Triangle { plane, map } => map.at(plane.solve(offset)),
+            Chart::Disk { zero, quarter, radius, .. } => {
+                let offset = offset / *radius;
                 let (x, y) = (offset.dot(*zero), offset.dot(*quarter));
                 [turn_of(x, y), x * x + y * y]
             }
-            Chart::Sphere { center, equator, east, north, .. } => {
-                let offset = point - *center;
+            Chart::Sphere { equator, east, north, .. } => {
                 let (x, y, z) = (offset.dot(*equator), offset.dot(*east), offset.dot(*north));
                 [turn_of(x, y), libm::atan2(libm::hypot(x, y), -z) / PI]
             }
@@ -224,36 +244,27 @@ impl Parametrisation {
     /// From (s, t) to the point of the surface, metres.
     ///
     /// On a triangle (s, t) may lie outside the map's triangle: the point then lies beside it, in its plane.
-    pub fn to_surface(&self, [s, t]: [f64; 2]) -> DVec3 {
-        match &self.chart {
-            Chart::Rectangle(plane) => plane.at(s, t),
-            Chart::Triangle { plane, map } => {
-                let [a, b] = map.solve([s, t]);
-                plane.at(a, b)
-            }
-            Chart::Disk { center, zero, quarter, radius } => {
-                let (sin, cos) = libm::sincos(TAU * s);
-                *center + (*zero * cos + *quarter * sin) * (radius * t.max(0.0).sqrt())
-            }
-            Chart::Sphere { center, equator, east, north, radius } => {
-                let (sin_s, cos_s) = libm::sincos(TAU * s);
-                let (sin_t, cos_t) = libm::sincos(PI * t);
-                *center + ((*equator * cos_s + *east * sin_s) * sin_t - *north * cos_t) * *radius
-            }
-        }
+    pub fn to_surface(&self, at: [f64; 2]) -> DVec3 {
+        self.anchor() + self.offset(at)
     }
 
-    /// The way from one place of the map to another, metres, for a flat surface with straight coordinates: with more digits
-    /// than the difference of two points of [`Parametrisation::to_surface`], far from the origin. Of other surfaces, that
-    /// difference.
-    pub fn offset(&self, from: [f64; 2], to: [f64; 2]) -> DVec3 {
-        let way = |plane: &Affine, from: [f64; 2], to: [f64; 2]| {
-            plane.first * (to[0] - from[0]) + plane.second * (to[1] - from[1])
-        };
+    /// [`Parametrisation::to_surface`] as an offset from the [anchor](Parametrisation::anchor), metres.
+    pub fn offset(&self, [s, t]: [f64; 2]) -> DVec3 {
         match &self.chart {
-            Chart::Rectangle(plane) => way(plane, from, to),
-            Chart::Triangle { plane, map } => way(plane, map.solve(from), map.solve(to)),
-            Chart::Disk { .. } | Chart::Sphere { .. } => self.to_surface(to) - self.to_surface(from),
+            Chart::Rectangle(plane) => plane.offset(s, t),
+            Chart::Triangle { plane, map } => {
+                let [a, b] = map.solve([s, t]);
+                plane.offset(a, b)
+            }
+            Chart::Disk { zero, quarter, radius, .. } => {
+                let (sin, cos) = libm::sincos(TAU * s);
+                (*zero * cos + *quarter * sin) * (radius * t.max(0.0).sqrt())
+            }
+            Chart::Sphere { equator, east, north, radius, .. } => {
+                let (sin_s, cos_s) = libm::sincos(TAU * s);
+                let (sin_t, cos_t) = libm::sincos(PI * t);
+                ((*equator * cos_s + *east * sin_s) * sin_t - *north * cos_t) * *radius
+            }
         }
     }
 

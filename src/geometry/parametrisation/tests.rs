@@ -214,7 +214,7 @@ proptest! {
                     center + (frame.tangent * cos + frame.bitangent * sin) * radius
                 }
             };
-            let found = map.to_map(point)[axis];
+            let found = map.to_map_from_anchor(point)[axis];
             let off = (found - at).abs();
             // A whole diameter or meridian circle: half a turn on.
             let off = if map.wraps() && axis == 0 { off.min((off - 0.5).abs()) } else { off };

@@ -34,11 +34,14 @@ const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 
 pub(super) struct Beside<'a> {
     /// Of each case: the stem of its plots, and which kinds there are.
     pub plots: &'a dyn Fn(usize) -> Vec<String>,
-    /// Of each case: pictures by name, as PNG.
-    pub pictures: &'a dyn Fn(usize) -> Vec<(String, Vec<u8>)>,
+    /// Of each case.
+    pub pictures: &'a [Pictures],
     /// Whether it loads itself again and again.
     pub watched: bool,
 }
+
+/// What a picture shows, and the picture as PNG.
+pub(super) type Pictures = Vec<(String, Vec<u8>)>;
 
 /// The page.
 pub(super) fn page(record: &ReportRecord, beside: &Beside) -> String {
@@ -318,7 +321,7 @@ fn section(record: &ReportRecord, k: usize, beside: &Beside) -> String {
     html += &drawing::drawing(case);
     html += &formula::formulas(case);
     html += &verdicts::of_case(case);
-    html += &pictures(&(beside.pictures)(k));
+    html += &pictures(&beside.pictures[k]);
     html += "<div class=\"figs\">\n";
     let plots = (beside.plots)(k);
     let links = |kind: &str, table: &str| {

@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use super::Pictures;
 use crate::configuration::Role;
 use crate::oracle::Region;
 use crate::report::page::{escaped, two_digits};
@@ -105,14 +106,14 @@ fn spread(values: Vec<f64>) -> Option<[f64; 3]> {
 }
 
 /// A shadow that there are pictures of, exact and by each strategy side by side; the first with an umbra, if there is one.
-fn beside(record: &ReportRecord, pictures: &dyn Fn(usize) -> Vec<(String, Vec<u8>)>) -> String {
+fn beside(record: &ReportRecord, pictures: &[Pictures]) -> String {
     let has_shadow = |k: &usize| {
         let case = &record.cases[*k];
         penumbra(case, BASE).is_some() && case.figures.iter().any(|figure| figure.role == Role::Occluder)
     };
     let mut shadows: Vec<usize> = (0..record.cases.len()).filter(has_shadow).collect();
     shadows.sort_by_key(|k| !record.cases[*k].points.iter().any(|point| point.region == Region::Umbra));
-    let shown = shadows.into_iter().map(|k| (k, pictures(k))).find(|(_, pictures)| pictures.len() > 2);
+    let shown = shadows.into_iter().map(|k| (k, &pictures[k])).find(|(_, pictures)| pictures.len() > 2);
     let Some((k, pictures)) = shown else { return String::new() };
     let figures: String = pictures
         .iter()
@@ -166,7 +167,7 @@ fn reason(name: &str) -> &'static str {
 }
 
 /// The section; empty where no penumbra was measured with more than one strategy.
-pub fn section(record: &ReportRecord, pictures: &dyn Fn(usize) -> Vec<(String, Vec<u8>)>) -> String {
+pub fn section(record: &ReportRecord, pictures: &[Pictures]) -> String {
     let Some((samples, all)) = compared(record) else { return String::new() };
     let most = all.iter().map(|one| one.cases).max().unwrap_or(0);
     let measured = all.len();

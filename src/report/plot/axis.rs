@@ -26,6 +26,7 @@ pub struct Axis {
 impl Axis {
     /// From `low` to `high`, both ends widened to pleasant values if `round`.
     pub fn linear(low: f64, high: f64, round: bool, about: usize) -> Axis {
+        let (low, high) = (within(low), within(high));
         let half = (0.5 * scale_of(low)).max(SHORTEST);
         let (low, high) = if high - low > SHORTEST { (low, high) } else { (low - half, low + half) };
         let step = pleasant_step((high - low) / about as f64);
@@ -41,6 +42,8 @@ impl Axis {
 
     /// Powers of ten; both ends > 0. Below two decades also twos and fives, and what it takes to have two.
     pub fn log(low: f64, high: f64, about: usize) -> Axis {
+        let (low, high) = (low.clamp(SHORTEST, LARGEST), high.clamp(SHORTEST, LARGEST));
+        let (low, high) = if high > low { (low, high) } else { (0.5 * low, 2.0 * low) };
         let (first, last) = (low.log10(), high.log10());
         let decades = last - first;
         let every = (decades / about as f64).ceil().max(1.0) as i32;
@@ -92,6 +95,7 @@ impl Axis {
 
     /// Both signs up to `largest`, linear around zero up to about `linear_to`.
     pub fn symmetric(largest: f64, linear_to: f64) -> Axis {
+        let (largest, linear_to) = (within(largest), linear_to.clamp(SHORTEST, LARGEST));
         if largest < 30.0 * linear_to {
             return Axis::linear(-largest, largest, true, 6);
         }
@@ -117,7 +121,9 @@ impl Axis {
             Scale::Log => v.ln(),
             Scale::SymmetricLog { linear_to } => (v / linear_to).asinh(),
         };
-        (along(value) - along(self.low)) / (along(self.high) - along(self.low))
+        let share = (along(value) - along(self.low)) / (along(self.high) - along(self.low));
+        // Lines are drawn as far as they go, dash by dash, also where nobody sees them.
+        share.clamp(-BEYOND, BEYOND)
     }
     pub fn low(&self) -> f64 {
         self.low
@@ -147,6 +153,16 @@ impl Axis {
 
 /// What is shorter is empty: a tenth of it is still a number to all its digits.
 const SHORTEST: f64 = 1e-300;
+/// No axis reaches further: a report may say any number that there is, and twice that is none.
+const LARGEST: f64 = 1e300;
+
+/// Lengths of an axis that a value may lie beside it.
+const BEYOND: f64 = 1e3;
+
+/// A NaN is nought.
+fn within(x: f64) -> f64 {
+    if x.is_nan() { 0.0 } else { x.clamp(-LARGEST, LARGEST) }
+}
 
 /// A length to open an empty range with.
 fn scale_of(x: f64) -> f64 {

@@ -1,12 +1,15 @@
 //! Far from the origin, and far from the light: coordinates that are exact there move a value by no more than its bound.
 
-use etendue::configuration::Configuration;
+use etendue::configuration::{Arrangement, Configuration, Source};
 use etendue::estimator::{Job, Scratch, for_technique};
-use etendue::geometry::{DVec3, Disk, Mesh, Polygon, Rectangle, Shape, Sphere};
+use etendue::geometry::{
+    DVec3, Disk, MapTriangle, Mesh, Parametrisation, Polygon, Rectangle, Shape, Sphere, TexelGrid,
+};
 use etendue::oracle::Oracle;
 use etendue::oracle::optics::{MirrorOracle, PlaneMirror};
 use etendue::oracle::patch::{Patch, Tolerance};
 use etendue::sampling::{Purpose, Strategy, StreamKey};
+use etendue::texture::{ExitancePolynomial, Lookup, OnRectangle, Raster, Texels, Texture};
 use etendue::trial::{Effort, Overrides, Settings};
 
 use super::{Change, SAME, assert_near, assert_sound, bound, irradiance, point, room, truth};
@@ -72,6 +75,66 @@ fn a_room_is_the_same_room_wherever_it_stands() {
     assert!(partly > 100, "{partly}");
 }
 
+/// Sources whose exitance varies, one of each kind and lookup; a rectangle with a polynomial, too.
+fn textured(o: DVec3) -> Vec<Source> {
+    let [disk, rectangle, _, sphere] = sources(o);
+    let corners = [[-0.5, -0.25], [-0.25, 0.5], [0.75, -0.25]].map(|[x, y]| o + DVec3::new(x, y, 2.0));
+    let triangle = Shape::Polygon(Polygon::new(corners.to_vec()).unwrap());
+    let maps = [disk, rectangle.clone(), triangle, sphere].map(|shape| {
+        let map = match &shape {
+            Shape::Disk(disk) => Parametrisation::disk(disk, None).unwrap(),
+            Shape::Rectangle(rectangle) => Parametrisation::rectangle(rectangle),
+            Shape::Sphere(sphere) => Parametrisation::sphere(sphere, DVec3::new(0.5, 0.25, 1.0), DVec3::X).unwrap(),
+            _ => {
+                Parametrisation::triangle(corners, MapTriangle::new([[0.0, 0.0], [1.0, 0.25], [0.25, 1.0]]).unwrap())
+                    .unwrap()
+            }
+        };
+        (shape, map)
+    });
+    let raster = Raster::checker(TexelGrid::new(3, 2).unwrap(), 2.0, 0.25).unwrap();
+    let mut all = Vec::new();
+    for lookup in [Lookup::Nearest, Lookup::Bilinear] {
+        for (shape, map) in &maps {
+            let texture = Texture::Texels(Texels::new(*map, raster.clone(), lookup));
+            all.push(Source::textured(shape.clone(), texture).unwrap());
+        }
+    }
+    let Shape::Rectangle(panel) = &rectangle else { unreachable!("it is one") };
+    let bulge = ExitancePolynomial { e00: 1.0, e10: 0.25, e11: 0.125, e20: -0.5, ..Default::default() };
+    let texture = Texture::Polynomial(OnRectangle::new(*panel, bulge).unwrap());
+    all.push(Source::textured(rectangle, texture).unwrap());
+    all
+}
+
+/// Found by this test: textures were read by absolute positions, whose roundings, a thousand kilometres off, no quadrature
+/// gets below; a point took seconds, and its bound held none of them.
+#[test]
+fn a_texture_is_the_same_texture_wherever_it_hangs() {
+    for far in FAR {
+        let o = DVec3::new(far, -far, far);
+        for k in 0..textured(DVec3::ZERO).len() {
+            for kinds in [0..0, 1..2, 3..4] {
+                let rooms = [DVec3::ZERO, o].map(|o| {
+                    let source = textured(o).swap_remove(k);
+                    let points =
+                        (0..4).map(|k| point(o + DVec3::new(f64::from(k) / 2.0 - 0.75, 0.125, 0.0), DVec3::Z));
+                    let occluders = occluders(o)[kinds.clone()].to_vec();
+                    Configuration::new(vec![source], occluders, None, points.collect(), Arrangement::Scattered)
+                        .unwrap()
+                });
+                let [here, there] = rooms.each_ref().map(Oracle::new);
+                for (p, q) in rooms[0].points().iter().zip(rooms[1].points()) {
+                    let (a, b) = (here.at(p), there.at(q));
+                    let what = format!("{far:e} texture {k} occluders {kinds:?}\n{a:?}\n{b:?}");
+                    assert!((irradiance(&a) - irradiance(&b)).abs() <= bound(&a) + bound(&b), "{what}");
+                    assert!(bound(&b) <= 1e-11, "{what}");
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn an_estimate_is_the_same_wherever_its_room_stands() {
     for source in 0..4 {
@@ -127,6 +190,8 @@ fn what_is_seen_in_a_mirror_does_not_depend_on_where_the_room_stands() {
 #[test]
 fn rooms_far_from_the_origin_pass() {
     let names = [
+        "texture/blended-panel",
+        "texture/tiled-ball",
         "caustic/glass-ball",
         "caustic/paraboloid",
         "interreflection/furnace-with-glass",
