@@ -25,7 +25,7 @@ fn main() {
         let checkpoint = Checkpoint::begin(folder.path(), &identity).expect("a checkpoint");
         run_kept(&cases, &settings, &checkpoint, &on).expect("a run");
         bytes = std::fs::metadata(folder.path().join(CHECKPOINT)).map_or(0, |file| file.len());
-        checkpoint.remove().expect("it is ours");
+        checkpoint.remove(&[]).expect("it is ours");
         now() - begun
     };
     let without = || {

@@ -9,6 +9,7 @@ use clap::ValueEnum;
 use super::commands::{fault, print};
 use super::exit;
 use super::options::Plan;
+use crate::case::Reach;
 use crate::trial::{Bill, ShardCost, quoted};
 
 /// What a run in shards can be written for.
@@ -59,6 +60,7 @@ struct Scripts {
     folder: PathBuf,
     /// The run's own command, after the program's name.
     command: String,
+    reach: Reach,
     of: u32,
     costs: Vec<ShardCost>,
     /// Processor seconds in all, and of one that merges.
@@ -78,6 +80,7 @@ impl Scripts {
             program: std::env::current_exe().map_err(here)?,
             folder: std::env::current_dir().map_err(here)?,
             command,
+            reach: options.work.reaching.reach(),
             of,
             costs: bill.shards(of),
             seconds: bill.seconds(),
@@ -137,7 +140,9 @@ impl Scripts {
     fn merge(&self) -> String {
         let what = "Puts the shards of a run together; says what is missing, damaged or of another run, and what to send again:";
         let mut text = self.head("etendue-merge", what, "", self.merge_seconds);
-        text.push_str("exec \"$ETENDUE\" merge \"$PARTS\" --out \"$REPORT\" --quiet --progress never\n");
+        let reach = self.reach.words();
+        let _ =
+            writeln!(text, "exec \"$ETENDUE\" merge \"$PARTS\" --out \"$REPORT\"{reach} --quiet --progress never");
         text
     }
 
@@ -149,7 +154,8 @@ impl Scripts {
              set -eu\n\
              here=$(cd \"$(dirname \"$0\")\" && pwd)\n\
              shards=$(sbatch --parsable \"$@\" \"$here/{SHARDS}\")\n\
-             merge=$(sbatch --parsable --dependency=afterany:\"$shards\" \"$here/{MERGE}\")\n\
+             # Of several clusters the name follows the number.\n\
+             merge=$(sbatch --parsable --dependency=afterany:\"${{shards%%;*}}\" \"$here/{MERGE}\")\n\
              echo \"shards: job $shards; merging: job $merge, which tells in $here/logs/merge.txt\"\n"
         )
     }

@@ -328,6 +328,8 @@ pub struct Merge {
     /// Folders that hold shards
     #[arg(value_name = "DIR", required = true)]
     pub folders: Vec<PathBuf>,
+    #[command(flatten)]
+    pub reaching: Reaching,
     /// Folder that the report is written to
     #[arg(long, short, value_name = "DIR", default_value = "reports/latest")]
     pub out: PathBuf,

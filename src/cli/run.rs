@@ -1,7 +1,8 @@
 //! `etendue run`: cases measured, judged and reported, to the end or until Ctrl-C.
 
 use std::ops::ControlFlow;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 use super::commands::{GENERATOR, endless, fault, select, set_threads, take};
 use super::conclude::{Lines, conclude};
@@ -45,11 +46,20 @@ fn run_to_end(options: &Run) -> Result<u8, u8> {
         // What comes of points that were brought along belongs to a case's lines, too.
         let lines = lines.as_ref().filter(|_| sets.is_empty());
         let board = Board::new(cases.len(), options.progress, options.quiet);
-        let measured = measured(&cases, &settings, Some(checkpoint), &board, &|| interrupt.asked(), lines);
+        let warned = AtomicBool::new(false);
+        let asked = || {
+            if let Some(fault) = checkpoint.fault()
+                && !warned.swap(true, Relaxed)
+            {
+                anstream::eprintln!(
+                    "warning: {fault}; what is done without room for it is lost if the run is interrupted"
+                );
+            }
+            interrupt.asked()
+        };
+        let measured = measured(&cases, &settings, Some(checkpoint), &board, &asked, lines);
         board.finish();
-        if let Some(fault) = checkpoint.fault() {
-            anstream::eprintln!("warning: {fault}; what was done since is lost if the run is interrupted");
-        }
+        asked();
         outcome = measured?;
     }
     outcome.command = command;
@@ -60,9 +70,11 @@ fn run_to_end(options: &Run) -> Result<u8, u8> {
     let conclude =
         |lines| conclude(&outcome, &options.out, &options.telling, lines, options.quiet, options.allow_undecided);
     if outcome.missing.is_empty() {
-        writing.write(&outcome, &cases, &settings, &interrupt)?;
-        checkpoint.map_or(Ok(()), Checkpoint::remove).map_err(share::journal)?;
-        return conclude(lines);
+        let report = writing.write(&outcome, &cases, &settings, &interrupt)?;
+        // All is told before what it was made of is gone.
+        let code = conclude(lines)?;
+        checkpoint.map_or(Ok(()), |checkpoint| checkpoint.remove(&report)).map_err(share::journal)?;
+        return Ok(code);
     }
     if !outcome.cases.is_empty() {
         writing.write(&outcome, &cases, &settings, &interrupt)?;
@@ -84,7 +96,8 @@ fn checkpoint(cases: &[Case], settings: &Settings, options: &Run) -> Result<Chec
     }
     let checkpoint = Checkpoint::resume(&options.out, &identity).map_err(|error| {
         let way = matches!(error, JournalError::Foreign { .. } | JournalError::Damaged { .. });
-        let code = share::journal(error);
+        // A checkpoint that is damaged is not better another time.
+        let code = if way { fault(exit::USAGE, error) } else { share::journal(error) };
         if way {
             anstream::eprintln!(
                 "give the command that it belongs to, another --out, or leave out --resume to begin anew"
@@ -136,19 +149,19 @@ pub(super) struct Writing<'a> {
 }
 
 impl Writing<'_> {
-    /// The report, whole.
+    /// The report, whole; returns its files.
     pub fn write(
         &self,
         outcome: &RunOutcome,
         cases: &[Case],
         settings: &Settings,
         interrupt: &Interrupt,
-    ) -> Result<(), u8> {
+    ) -> Result<Vec<PathBuf>, u8> {
         let finished = |case: &&Case| self.plots && outcome.cases.iter().any(|done| done.name == case.name);
         let views = trial::receiver_views(cases.iter().filter(finished), settings);
         let how = ReportOptions { generator: GENERATOR, plots: self.plots, views: &views, watched: self.watched };
         let written = interrupt.while_writing(self.out, || report::write(self.out, outcome, &how));
-        written.map(|_| ()).map_err(|error| fault(exit::OUTPUT, error))
+        written.map_err(|error| fault(exit::OUTPUT, error))
     }
 }
 

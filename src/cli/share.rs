@@ -30,6 +30,9 @@ pub(super) fn share(options: &Run, shard: Shard) -> Result<u8, u8> {
     if file.resumed() > 0 && !options.quiet {
         anstream::eprintln!("going on: {} results are there", file.resumed());
     }
+    if file.left && !options.quiet {
+        anstream::eprintln!("note: begins anew; earlier tries at this shard have left work (--resume goes on)");
+    }
     let board = Board::new(cases.len(), options.progress, options.quiet);
     let all = trial::run_share(&cases, &settings, &*file, &|progress| {
         board.show(progress);

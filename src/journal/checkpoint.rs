@@ -1,14 +1,15 @@
 //! What a run has done so far, in its folder: whatever ends it, another goes on from there.
 
-use std::fs::{self, OpenOptions};
-use std::io;
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, BufReader, Read};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use super::error::JournalError;
+use super::flush;
 use super::identity::Identity;
-use super::shelf::{Shelf, State, read};
+use super::shelf::{Shelf, State, TORN, read};
 use super::writer::Writer;
 use crate::trial::{Absent, Keeper, Kept, Unit};
 
@@ -20,7 +21,7 @@ pub struct Checkpoint {
     path: PathBuf,
     /// Of an earlier run.
     shelf: Shelf,
-    /// `None` once it could not be written.
+    /// `None` once it cannot be written any more.
     writer: Mutex<Option<Writer>>,
     fault: Mutex<Option<JournalError>>,
 }
@@ -44,7 +45,9 @@ impl Checkpoint {
                 return Checkpoint::begin(folder, identity);
             }
             // It was ended before its head was whole: nothing was done yet.
-            Err(JournalError::Damaged { .. }) if is_stub(&path) => return Checkpoint::begin(folder, identity),
+            Err(JournalError::Damaged { what, .. }) if what == TORN || is_stub(&path) => {
+                return Checkpoint::begin(folder, identity);
+            }
             Err(error) => return Err(error),
         };
         if let Some(why) = identity.difference(&found.identity) {
@@ -82,7 +85,13 @@ impl Checkpoint {
     }
 
     /// The run is finished, and needs none.
-    pub fn remove(self) -> Result<(), JournalError> {
+    ///
+    /// - `report`: the files that were made of it. They are flushed first, so that a power cut never leaves neither; but for a
+    ///   run so short that a power cut would have taken it whole
+    pub fn remove(self, report: &[PathBuf]) -> Result<(), JournalError> {
+        if self.writer.lock().unwrap_or_else(PoisonError::into_inner).as_ref().is_none_or(|open| open.is_lasting) {
+            flush::files(report)?;
+        }
         match fs::remove_file(&self.path) {
             Err(source) if source.kind() != io::ErrorKind::NotFound => {
                 Err(JournalError::Write { path: self.path, source })
@@ -96,9 +105,13 @@ impl Checkpoint {
     }
 }
 
-/// Whether a file is shorter than any head is.
+/// Whether a file is shorter than any head is, or holds nothing yet: a power cut may leave the length without the bytes.
 fn is_stub(path: &Path) -> bool {
-    fs::metadata(path).is_ok_and(|file| file.len() < 64)
+    const SHORTEST: u64 = 64;
+    let Ok(file) = File::open(path) else { return false };
+    let is_short = file.metadata().is_ok_and(|file| file.len() < SHORTEST);
+    let mut bytes = BufReader::new(file).bytes();
+    is_short || bytes.all(|byte| matches!(byte, Ok(0)))
 }
 
 impl Keeper for Checkpoint {
@@ -117,13 +130,15 @@ impl Keeper for Checkpoint {
         Absent::Make
     }
 
-    /// A run that cannot keep its units goes on: it may yet come to its end.
+    /// A run that cannot keep a unit goes on: it may yet come to its end, and there may be room again for the next.
     fn keep(&self, unit: &Unit, kept: Kept) -> ControlFlow<()> {
         let mut writer = self.writer.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(open) = &mut *writer
             && let Err(fault) = open.unit(unit, &kept)
         {
-            *writer = None;
+            if !open.is_sound {
+                *writer = None;
+            }
             drop(writer);
             self.note(fault);
         }

@@ -5,6 +5,8 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
+use crate::trial::Unit;
+
 /// What is wrong with a file of units, with the folder it lies in, or with what it is asked for.
 #[derive(Debug, Error)]
 #[non_exhaustive]
@@ -21,6 +23,9 @@ pub enum JournalError {
     Foreign { path: PathBuf, why: String },
     #[error("{} is damaged: {what}", path.display())]
     Damaged { path: PathBuf, what: String },
+    /// Shards that look whole have not all that they should.
+    #[error("no shard holds {what}, though all look whole")]
+    Lacking { unit: Unit, what: String },
 }
 
 impl JournalError {
@@ -29,7 +34,7 @@ impl JournalError {
         match self {
             JournalError::InUse { .. } => true,
             JournalError::Read { source, .. } | JournalError::Write { source, .. } => passes(source),
-            JournalError::Foreign { .. } | JournalError::Damaged { .. } => false,
+            JournalError::Foreign { .. } | JournalError::Damaged { .. } | JournalError::Lacking { .. } => false,
         }
     }
 }

@@ -75,7 +75,8 @@ pub(super) fn unit_of(body: &[u8]) -> Option<(Unit, f64, &[u8])> {
     let (seconds, rest) = body.split_first_chunk::<8>()?;
     let (length, rest) = rest.split_first_chunk::<2>()?;
     let (key, payload) = rest.split_at_checked(usize::from(u16::from_le_bytes(*length)))?;
-    Some((postcard::from_bytes(key).ok()?, f64::from_le_bytes(*seconds), payload))
+    let seconds = Some(f64::from_le_bytes(*seconds)).filter(|seconds| seconds.is_finite() && *seconds >= 0.0)?;
+    Some((postcard::from_bytes(key).ok()?, seconds, payload))
 }
 
 /// An end's body: units, and the digest of what came before.

@@ -14,7 +14,7 @@ use super::error::JournalError;
 use super::identity::Identity;
 use super::shard::shard_of;
 use super::shelf::{Reading, Shelf, State, read};
-use crate::trial::{Absent, Keeper, Kept, Unit};
+use crate::trial::{Absent, Keeper, Kept, Portion, Unit};
 
 /// What folders hold of one run.
 pub struct Gathered {
@@ -57,7 +57,6 @@ pub fn gather(folders: &[PathBuf]) -> Result<Gathered, JournalError> {
     for (path, reading) in paths.into_iter().zip(readings) {
         gathered.add(path, reading, &mut there);
     }
-    // Where no head can be read, names tell.
     gathered.of = gathered.identity.as_ref().and_then(|identity| identity.shard).map_or(0, |shard| shard.of);
     gathered.missing = (0..gathered.of).filter(|index| !there.contains_key(index)).collect();
     Ok(gathered)
@@ -130,6 +129,11 @@ impl Gathered {
         self.identity.is_some() && self.missing.is_empty() && self.faults.is_empty()
     }
 
+    /// Files stay what they are where another folder becomes the current one.
+    pub fn settle(&mut self) {
+        self.shelf.settle();
+    }
+
     /// Units of all shards.
     pub fn units(&self) -> usize {
         self.shelf.len()
@@ -144,7 +148,9 @@ impl Gathered {
 /// A unit in words.
 fn told(run: &Identity, unit: &Unit) -> String {
     let case = run.cases.get(unit.case as usize).map_or("?", |case| &case.name);
-    format!("{case}, {:?}, part {} of {}", unit.portion.stage, unit.portion.index, unit.portion.of)
+    let Portion { stage, index, of } = unit.portion;
+    let part = if of > 1 { format!(" (part {} of {of})", index + 1) } else { String::new() };
+    format!("{stage} of {case}{part}")
 }
 
 /// Units that others have made; none is made here.
@@ -177,8 +183,7 @@ impl Keeper for Merging<'_> {
 
     fn absent(&self, unit: &Unit) -> Absent {
         if let Some(run) = &self.gathered.identity {
-            let what = format!("{} is in none of them", told(run, unit));
-            self.note(JournalError::Damaged { path: PathBuf::from("the shards"), what });
+            self.note(JournalError::Lacking { unit: *unit, what: told(run, unit) });
         }
         Absent::GiveUp
     }

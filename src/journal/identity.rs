@@ -1,6 +1,7 @@
 //! Which run a journal belongs to.
 
-use std::path::{Path, PathBuf};
+use std::collections::HashSet;
+use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
@@ -19,8 +20,8 @@ pub struct Identity {
     pub selectors: Vec<String>,
     /// How far their paths were let reach.
     pub reach: Reach,
-    /// Where that was said.
-    pub folder: PathBuf,
+    /// Where that was said, as far as it can be told in letters.
+    pub folder: String,
     pub cases: Vec<CaseIdentity>,
     /// `None`: all of it.
     pub shard: Option<Shard>,
@@ -69,7 +70,7 @@ impl Identity {
             settings: settings.clone(),
             selectors: selectors.to_vec(),
             reach,
-            folder: std::env::current_dir().unwrap_or_default(),
+            folder: std::env::current_dir().unwrap_or_default().to_string_lossy().into_owned(),
             cases: cases.iter().map(CaseIdentity::of).collect(),
             shard,
         }
@@ -109,19 +110,30 @@ impl Identity {
     }
 
     fn difference_of_cases(&self, other: &Identity) -> Option<String> {
-        let names = |identity: &Identity| identity.cases.iter().map(|case| case.name.clone()).collect::<Vec<_>>();
+        if self.cases == other.cases {
+            return None;
+        }
+        let names =
+            |identity: &'_ Identity| -> Vec<String> { identity.cases.iter().map(|case| case.name.clone()).collect() };
         let (own, others) = (names(self), names(other));
-        if let Some(name) = others.iter().find(|name| !own.contains(name)) {
+        let among = |names: &[String]| names.iter().cloned().collect::<HashSet<_>>();
+        let (among_own, among_others) = (among(&own), among(&others));
+        if let Some(name) = others.iter().find(|name| !among_own.contains(*name)) {
             return Some(format!("it has the case {name}, which is none of this run's"));
         }
-        if let Some(name) = own.iter().find(|name| !others.contains(name)) {
+        if let Some(name) = own.iter().find(|name| !among_others.contains(*name)) {
             return Some(format!("it lacks the case {name}"));
         }
         if own != others {
             return Some("its cases are in another order".to_owned());
         }
         let changed = self.cases.iter().zip(&other.cases).find(|(own, theirs)| own.digest != theirs.digest);
-        changed.map(|(case, _)| format!("its case {} is another than it is now: the file was changed", case.name))
+        changed.map(|(case, _)| {
+            format!(
+                "its case {} is another than it is now: its file was changed, or is named in another way",
+                case.name
+            )
+        })
     }
 
     /// The command that makes it: only what moves numbers.
@@ -132,6 +144,6 @@ impl Identity {
 
     /// The folder in which its cases were selected, where that still is one.
     pub fn place(&self) -> Option<&Path> {
-        Some(self.folder.as_path()).filter(|folder| folder.is_dir())
+        Some(Path::new(&self.folder)).filter(|folder| folder.is_dir())
     }
 }

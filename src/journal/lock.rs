@@ -7,6 +7,8 @@ use std::path::{Path, PathBuf};
 use super::error::JournalError;
 
 const LOCK: &str = ".lock";
+/// Times that the file may be taken away in between; where it seems to each time, the file system numbers files anew.
+const PATIENCE: u32 = 100;
 
 /// Held while a folder is written to. The system lets go of it when the program ends, however it does.
 pub struct FolderLock {
@@ -20,7 +22,7 @@ impl FolderLock {
         let path = folder.join(LOCK);
         let fault = |source| JournalError::Write { path: path.clone(), source };
         fs::create_dir_all(folder).map_err(|source| JournalError::Write { path: folder.to_owned(), source })?;
-        loop {
+        for trial in 0.. {
             let mut file =
                 OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path).map_err(fault)?;
             match file.try_lock() {
@@ -32,18 +34,25 @@ impl FolderLock {
                     return Err(JournalError::InUse { path: folder.to_owned(), by });
                 }
                 // A file system without locks: two runs at once are then nobody's to tell.
-                Err(TryLockError::Error(error)) if error.kind() == std::io::ErrorKind::Unsupported => {}
+                Err(TryLockError::Error(error)) if has_no_locks(&error) => {}
                 Err(TryLockError::Error(error)) => return Err(fault(error)),
             }
             // Who held it before may have taken the file away between the two steps.
-            if !is_there(&file, &path) {
+            if !is_there(&file, &path) && trial < PATIENCE {
                 continue;
             }
             let told = format!("process {} on {}\n", std::process::id(), super::host());
             let _ = file.set_len(0).and_then(|()| file.rewind()).and_then(|()| file.write_all(told.as_bytes()));
             return Ok(FolderLock { path, _file: file });
         }
+        unreachable!("patience has an end")
     }
+}
+
+fn has_no_locks(error: &std::io::Error) -> bool {
+    /// ENOLCK: a server without a lock manager.
+    const NONE_LEFT: i32 = if cfg!(target_os = "linux") { 37 } else { 77 };
+    error.kind() == std::io::ErrorKind::Unsupported || (cfg!(unix) && error.raw_os_error() == Some(NONE_LEFT))
 }
 
 #[cfg(unix)]

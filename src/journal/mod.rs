@@ -9,6 +9,7 @@
 
 mod checkpoint;
 mod error;
+mod flush;
 mod frame;
 mod gather;
 mod identity;

@@ -8,12 +8,14 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Write};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::sync::{Mutex, PoisonError};
 
 use super::error::JournalError;
+use super::flush;
 use super::frame::{Kind, MARK, end_frame, frame, unit_frame};
 use super::identity::Identity;
-use super::shelf::{Shelf, State, read};
+use super::shelf::{Shelf, State, UNFINISHED, read};
 use super::writer::Writer;
 use crate::configuration::Sha256;
 use crate::trial::{Absent, Division, Keeper, Kept, Shard, Stage, Unit};
@@ -40,9 +42,14 @@ pub struct ShardFile {
     identity: Identity,
     division: Division,
     /// Of earlier tries.
-    shelf: Shelf,
+    earlier: Mutex<Shelf>,
+    /// Units of earlier tries; and whether some of them were left alone.
+    resumed: usize,
+    pub left: bool,
     passing: PathBuf,
     writer: Mutex<Writer>,
+    /// Units that were written.
+    kept: AtomicU64,
     fault: Mutex<Option<JournalError>>,
 }
 
@@ -100,6 +107,7 @@ impl ShardFile {
                 shelf.take(&path, &found);
             }
         }
+        let left = !resume && !passing_files(folder, shard).is_empty();
         let passing = passing_name(folder, shard);
         let file = OpenOptions::new().read(true).write(true).create_new(true).open(&passing);
         let file = file.map_err(|source| fault(&passing, source))?;
@@ -107,13 +115,24 @@ impl ShardFile {
         let _ = file.try_lock();
         let writer = Mutex::new(Writer::begin(&passing, file, &identity)?);
         let folder = folder.to_owned();
-        let fault = Mutex::default();
-        Ok(Beginning::Work(Box::new(ShardFile { folder, shard, identity, division, shelf, passing, writer, fault })))
+        Ok(Beginning::Work(Box::new(ShardFile {
+            folder,
+            shard,
+            identity,
+            division,
+            resumed: shelf.len(),
+            earlier: Mutex::new(shelf),
+            left,
+            passing,
+            writer,
+            kept: AtomicU64::new(0),
+            fault: Mutex::default(),
+        })))
     }
 
     /// Units of earlier tries.
     pub fn resumed(&self) -> usize {
-        self.shelf.len()
+        self.resumed
     }
 
     /// What ended the work on it, if a file did.
@@ -122,33 +141,55 @@ impl ShardFile {
     }
 
     /// Puts all units in order, and the file in its place.
-    pub fn finish(mut self) -> Result<Finished, JournalError> {
-        let made = match read(&self.passing) {
-            Ok(made) => made,
-            // Another has finished it, and taken this away.
-            Err(error) => return self.finished_by_another().ok_or(error),
-        };
-        self.shelf.take(&self.passing, &made);
+    pub fn finish(self) -> Result<Finished, JournalError> {
         let next = self.passing.with_extension("finished.partial");
-        let place = self.folder.join(shard_name(self.shard));
-        let write = |source| JournalError::Write { path: place.clone(), source };
-        let finished = self.write_in_order(&next).and_then(|finished| {
-            fs::rename(&next, &place).map_err(write)?;
-            sync_folder(&self.folder).map_err(write)?;
-            Ok(Finished { path: place.clone(), ..finished })
-        });
-        if finished.is_err() {
+        let finished = self.all().and_then(|all| self.put(&all, &next)).or_else(|error| {
             let _ = fs::remove_file(&next);
-            return finished;
-        }
+            // Whoever finished it first has taken this away.
+            self.finished_by_another().ok_or(error)
+        })?;
         let _ = fs::remove_file(&self.passing);
         for path in passing_files(&self.folder, self.shard) {
             // Not while somebody is still at work on it: his end will come, and be the same.
-            if File::open(&path).is_ok_and(|file| file.try_lock().is_ok()) {
+            let is_left = |file: File| file.try_lock().is_ok();
+            if OpenOptions::new().write(true).open(&path).is_ok_and(is_left) {
                 let _ = fs::remove_file(&path);
             }
         }
-        finished
+        Ok(finished)
+    }
+
+    /// All units of the shard: those that were made now, as they were written, and what earlier tries have left.
+    fn all(&self) -> Result<Shelf, JournalError> {
+        let made = read(&self.passing)?;
+        let (length, units) = {
+            let writer = self.writer.lock().unwrap_or_else(PoisonError::into_inner);
+            (writer.len(), self.kept.load(Relaxed))
+        };
+        // Whoever wrote it knows what it should hold.
+        if (made.state != State::Cut { at: length, why: UNFINISHED }) || made.len() as u64 != units {
+            let what = match made.state {
+                State::Cut { at, why } if at < length => format!("{why} (from byte {at} on): not what was written"),
+                _ => "it is not what was written".to_owned(),
+            };
+            return Err(JournalError::Damaged { path: self.passing.clone(), what });
+        }
+        let mut all = Shelf::default();
+        all.take(&self.passing, &made);
+        let mut earlier = self.earlier.lock().unwrap_or_else(PoisonError::into_inner);
+        all.take_rest(std::mem::take(&mut *earlier));
+        Ok(all)
+    }
+
+    /// Writes units under a passing name, and moves the file into its place.
+    fn put(&self, all: &Shelf, next: &Path) -> Result<Finished, JournalError> {
+        let place = self.folder.join(shard_name(self.shard));
+        let write = |source| JournalError::Write { path: place.clone(), source };
+        // The file stays open, and with it the lock, until it is in its place.
+        let (_held, finished) = self.write_in_order(all, next)?;
+        fs::rename(next, &place).map_err(write)?;
+        flush::folder(&self.folder).map_err(write)?;
+        Ok(Finished { path: place.clone(), ..finished })
     }
 
     fn finished_by_another(&self) -> Option<Finished> {
@@ -159,9 +200,10 @@ impl ShardFile {
         same.then(|| Finished { path, units: found.len() as u64, bytes })
     }
 
-    fn write_in_order(&self, path: &Path) -> Result<Finished, JournalError> {
+    fn write_in_order(&self, all: &Shelf, path: &Path) -> Result<(File, Finished), JournalError> {
         let fault = |source| JournalError::Write { path: path.to_owned(), source };
         let file = OpenOptions::new().write(true).create_new(true).open(path).map_err(fault)?;
+        let _ = file.try_lock();
         let mut out = BufWriter::with_capacity(1 << 18, file);
         let (mut digest, mut bytes) = (Sha256::new(), 0);
         let mut put = |frame: &[u8]| {
@@ -170,24 +212,24 @@ impl ShardFile {
             out.write_all(frame).map_err(fault)
         };
         put(MARK)?;
-        // Two machines write the same bytes: where it was made is of no account.
+        // Of two machines the heads differ in where it was made, and the units in how long they took.
         put(&frame(Kind::Head, &[&serde_json::to_vec(&self.identity).expect("texts and numbers serialise")]))?;
-        let units = self.shelf.units();
+        let units = all.units();
         for unit in &units {
-            let Some(kept) = self.shelf.get(unit) else { continue };
+            let Some(kept) = all.get(unit) else { continue };
             put(&unit_frame(unit, &kept?))?;
         }
         let end = end_frame(units.len() as u64, digest);
         bytes += end.len() as u64;
         let written = out.write_all(&end).and_then(|()| out.into_inner().map_err(io::IntoInnerError::into_error));
-        written.and_then(|file| file.sync_all()).map_err(fault)?;
-        Ok(Finished { path: path.to_owned(), units: units.len() as u64, bytes })
+        let file = written.and_then(|file| file.sync_all().map(|()| file)).map_err(fault)?;
+        Ok((file, Finished { path: path.to_owned(), units: units.len() as u64, bytes }))
     }
 }
 
 impl Keeper for ShardFile {
     fn found(&self, unit: &Unit) -> Option<Kept> {
-        self.shelf.get(unit)?.ok()
+        self.earlier.lock().unwrap_or_else(PoisonError::into_inner).get(unit)?.ok()
     }
 
     fn absent(&self, unit: &Unit) -> Absent {
@@ -201,7 +243,10 @@ impl Keeper for ShardFile {
     fn keep(&self, unit: &Unit, kept: Kept) -> ControlFlow<()> {
         let written = self.writer.lock().unwrap_or_else(PoisonError::into_inner).unit(unit, &kept);
         match written {
-            Ok(_) => ControlFlow::Continue(()),
+            Ok(_) => {
+                self.kept.fetch_add(1, Relaxed);
+                ControlFlow::Continue(())
+            }
             Err(fault) => {
                 self.fault.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(fault);
                 ControlFlow::Break(())
@@ -234,19 +279,4 @@ fn passing_files(folder: &Path, shard: Shard) -> Vec<PathBuf> {
         entries.filter(|entry| entry.file_name().to_str().is_some_and(is_one)).map(|entry| entry.path()).collect();
     paths.sort();
     paths
-}
-
-/// The name of a moved file is in the folder's own blocks.
-#[cfg(unix)]
-fn sync_folder(folder: &Path) -> io::Result<()> {
-    match File::open(folder).and_then(|folder| folder.sync_all()) {
-        // Some file systems of networks have nothing to flush there.
-        Err(error) if error.kind() == io::ErrorKind::InvalidInput => Ok(()),
-        done => done,
-    }
-}
-
-#[cfg(not(unix))]
-fn sync_folder(_: &Path) -> io::Result<()> {
-    Ok(())
 }

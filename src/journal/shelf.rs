@@ -1,7 +1,7 @@
 //! Units that lie in files: where each is, and what it says when it is asked for. Only places are held in memory.
 
 use std::collections::HashMap;
-use std::fs::File;
+use std::fs::{self, File};
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -10,6 +10,12 @@ use super::error::JournalError;
 use super::frame::{BEFORE, Broken, Frames, Kind, end_of, unit_of};
 use super::identity::Identity;
 use crate::trial::{Kept, Unit};
+
+/// Why a head cannot be read that was not written to its end.
+pub(super) const TORN: &str = "its head is not whole";
+
+/// What is said of a file that ends after a whole unit.
+pub(super) const UNFINISHED: &str = "it is not finished";
 
 /// Longest head, bytes: names of a hundred thousand cases.
 const LONGEST_HEAD: usize = 64 << 20;
@@ -52,6 +58,10 @@ pub(super) enum State {
 /// Reads a file from end to end and checks every byte of it. What is before a damaged place can be used.
 pub(super) fn read(path: &Path) -> Result<Reading, JournalError> {
     let fault = |source| JournalError::Read { path: path.to_owned(), source };
+    // A pipe would be waited for.
+    if !fs::metadata(path).map_err(fault)?.is_file() {
+        return Err(JournalError::Damaged { path: path.to_owned(), what: "it is no file".to_owned() });
+    }
     let file = File::open(path).map_err(fault)?;
     let length = file.metadata().map_err(fault)?.len();
     read_from(BufReader::with_capacity(1 << 16, file), length, path)
@@ -67,6 +77,9 @@ pub(super) fn read_from(from: impl Read, length: u64, path: &Path) -> Result<Rea
     let mut frames = frames.ok_or_else(|| damaged("it does not begin as a file of units does"))?;
     let mut body = Vec::new();
     let head = frames.next(&mut body).map_err(fault)?;
+    if head == Err(Broken::Short) {
+        return Err(damaged(TORN));
+    }
     if head != Ok(Some(Kind::Head)) || body.len() > LONGEST_HEAD {
         return Err(damaged("its head cannot be read"));
     }
@@ -97,7 +110,7 @@ pub(super) fn read_from(from: impl Read, length: u64, path: &Path) -> Result<Rea
                 break State::Whole;
             }
             Ok(Some(Kind::Head)) => break cut("it has a second head"),
-            Ok(None) => break cut("it is not finished"),
+            Ok(None) => break cut(UNFINISHED),
             Err(Broken::Short) => break cut("it ends in the middle of a unit"),
             Err(Broken::Altered) => break cut("the checksum of a unit does not match"),
         }
@@ -128,6 +141,24 @@ impl Shelf {
             }
         }
         contradicted
+    }
+
+    /// Paths are those of the folder that is the current one now.
+    pub fn settle(&mut self) {
+        for path in &mut self.files {
+            if let Ok(absolute) = std::path::absolute(&*path) {
+                *path = absolute;
+            }
+        }
+    }
+
+    /// Takes up what another has that is not here.
+    pub fn take_rest(&mut self, other: Shelf) {
+        let before = self.files.len() as u32;
+        self.files.extend(other.files);
+        for (unit, place) in other.places {
+            self.places.entry(unit).or_insert(Place { file: before + place.file, ..place });
+        }
     }
 
     pub fn len(&self) -> usize {

@@ -70,7 +70,13 @@ fn what_is_kept_is_found_again() {
     assert!(again.keep(&unit(1, 0), kept(9)).is_continue());
     drop(again);
     assert_eq!(Checkpoint::resume(dir.path(), &own).unwrap().resumed(), 21);
-    Checkpoint::resume(dir.path(), &own).unwrap().remove().unwrap();
+    // It goes when the report is on the disk, and not before.
+    let report = [dir.path().join("verdicts.csv")];
+    let refused = Checkpoint::resume(dir.path(), &own).unwrap().remove(&report).unwrap_err();
+    assert!(refused.to_string().contains("verdicts.csv"), "{refused}");
+    assert!(Checkpoint::is_in(dir.path()));
+    std::fs::write(&report[0], "case").unwrap();
+    Checkpoint::resume(dir.path(), &own).unwrap().remove(&report).unwrap();
     assert!(!Checkpoint::is_in(dir.path()));
 }
 
@@ -98,9 +104,11 @@ fn a_checkpoint_that_is_cut_anywhere_gives_what_was_whole_before() {
         drop(resumed);
         assert_eq!(Checkpoint::resume(dir.path(), &own).unwrap().resumed(), due + 1, "cut at {cut}");
     }
-    // Not even a head: nothing was done yet, or it is no such file.
-    fs::write(&path, &bytes[..20]).unwrap();
-    assert_eq!(Checkpoint::resume(dir.path(), &own).unwrap().resumed(), 0);
+    // Not even a head: nothing was done yet, or it is no such file. A power cut may leave zeros.
+    for torn in [bytes[..20].to_vec(), bytes[..head as usize - 1].to_vec(), vec![0; 400], Vec::new()] {
+        fs::write(&path, &torn).unwrap();
+        assert_eq!(Checkpoint::resume(dir.path(), &own).unwrap().resumed(), 0, "{} bytes", torn.len());
+    }
     fs::write(&path, [b'x'; 200]).unwrap();
     let refused = Checkpoint::resume(dir.path(), &own).err().unwrap();
     assert!(refused.to_string().contains("does not begin as a file of units does"), "{refused}");
@@ -171,16 +179,7 @@ fn a_shard_is_the_same_file_in_whatever_order_it_was_made() {
 fn two_that_make_one_shard_at_once_do_no_harm() {
     let dir = tempfile::tempdir().unwrap();
     let shard = Shard { index: 0, of: 1 };
-    let begin = || match ShardFile::begin(
-        dir.path(),
-        identity(1, Some(shard)),
-        Division::new(&cases(), &settings(1)),
-        true,
-    ) {
-        Ok(Beginning::Work(file)) => file,
-        _ => panic!("nobody has finished it"),
-    };
-    let files = [begin(), begin(), begin()];
+    let files = [begun(dir.path(), shard), begun(dir.path(), shard), begun(dir.path(), shard)];
     for k in 0..6 {
         files.iter().for_each(|file| assert!(file.keep(&unit(0, k), kept(k as u8)).is_continue()));
     }
@@ -188,6 +187,72 @@ fn two_that_make_one_shard_at_once_do_no_harm() {
     assert!(ends.iter().all(|end| *end == ends[0]), "{ends:?}");
     assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 1);
     assert!(gather(&[dir.path().to_owned()]).unwrap().is_whole());
+}
+
+fn begun(folder: &Path, shard: Shard) -> Box<ShardFile> {
+    let division = Division::new(&cases(), &settings(1));
+    match ShardFile::begin(folder, identity(1, Some(shard)), division, true) {
+        Ok(Beginning::Work(file)) => file,
+        _ => panic!("nobody has finished it"),
+    }
+}
+
+/// Found by a reader of the code: the file was ended with a checksum of what was left of it, and called finished.
+#[test]
+fn a_shard_whose_units_were_altered_while_it_was_made_is_not_finished() {
+    let dir = tempfile::tempdir().unwrap();
+    let shard = Shard { index: 0, of: 1 };
+    let file = begun(dir.path(), shard);
+    (0..9).for_each(|k| assert!(file.keep(&unit(0, k), kept(k as u8)).is_continue()));
+    let passing = fs::read_dir(dir.path()).unwrap().next().unwrap().unwrap().path();
+    let mut bytes = fs::read(&passing).unwrap();
+    let middle = bytes.len() - 200;
+    bytes[middle] ^= 1;
+    fs::write(&passing, bytes).unwrap();
+    let refused = file.finish().unwrap_err().to_string();
+    assert!(refused.contains("is damaged: the checksum of a unit does not match"), "{refused}");
+    assert!(!dir.path().join(shard_name(shard)).exists());
+    // What is before the place is used.
+    let again = begun(dir.path(), shard);
+    let there = again.resumed() as u32;
+    assert!((1..9).contains(&there), "{there}");
+    (there..9).for_each(|k| assert!(again.keep(&unit(0, k), kept(k as u8)).is_continue()));
+    assert_eq!(again.finish().unwrap().units, 9);
+    assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 1);
+}
+
+/// Likewise: what an earlier try had left was read when the shard was put in order, and could be gone by then.
+#[test]
+fn a_shard_that_another_finishes_first_is_finished() {
+    let dir = tempfile::tempdir().unwrap();
+    let shard = Shard { index: 0, of: 1 };
+    let tried = begun(dir.path(), shard);
+    (0..3).for_each(|k| assert!(tried.keep(&unit(0, k), kept(k as u8)).is_continue()));
+    drop(tried);
+    let [slow, quick] = [begun(dir.path(), shard), begun(dir.path(), shard)];
+    for file in [&slow, &quick] {
+        assert_eq!(file.resumed(), 3);
+        (3..6).for_each(|k| assert!(file.keep(&unit(0, k), kept(k as u8)).is_continue()));
+    }
+    let first = quick.finish().unwrap();
+    assert_eq!(slow.finish().unwrap(), first);
+    assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 1);
+}
+
+/// What is found and does not fit is made anew: that is what the file has.
+#[test]
+fn what_was_made_now_is_taken_rather_than_what_was_left() {
+    let dir = tempfile::tempdir().unwrap();
+    let shard = Shard { index: 0, of: 1 };
+    let tried = begun(dir.path(), shard);
+    assert!(tried.keep(&unit(0, 0), kept(7)).is_continue());
+    drop(tried);
+    let again = begun(dir.path(), shard);
+    assert_eq!(again.found(&unit(0, 0)), Some(kept(7)));
+    assert!(again.keep(&unit(0, 0), kept(8)).is_continue());
+    assert_eq!(again.finish().unwrap().units, 1);
+    let whole = gather(&[dir.path().to_owned()]).unwrap();
+    assert_eq!(whole.keeper().found(&unit(0, 0)), Some(kept(8)));
 }
 
 #[test]
@@ -201,7 +266,7 @@ fn shards_are_gathered_in_any_order_and_what_is_not_there_is_told() {
     let keeper = whole.keeper();
     assert_eq!(keeper.found(&unit(7, 2)), Some(kept(2)));
     assert_eq!((keeper.found(&unit(7, 5)), keeper.absent(&unit(7, 5))), (None, Absent::GiveUp));
-    assert!(keeper.fault().unwrap().to_string().contains("is in none of them"));
+    assert!(keeper.fault().unwrap().to_string().contains("no shard holds"));
 
     for gone in [3, 4, 5, 9] {
         fs::remove_file(&paths[gone]).unwrap();

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use super::error::JournalError;
+use super::flush;
 use super::frame::{Kind, MARK, frame, unit_frame};
 use super::identity::Identity;
 use crate::trial::{Kept, Unit};
@@ -19,13 +20,18 @@ pub(super) struct Writer {
     /// Whole frames so far, bytes.
     at: u64,
     synced: Instant,
+    /// Whether any of it was flushed, so that a power cut leaves it.
+    pub is_lasting: bool,
+    /// Whether what could not be written was cut off, so that more can follow.
+    pub is_sound: bool,
 }
 
 impl Writer {
     /// A new file, with its head.
     pub fn begin(path: &Path, file: File, identity: &Identity) -> Result<Writer, JournalError> {
         let head = serde_json::to_vec(identity).expect("texts and numbers serialise");
-        let mut writer = Writer { path: path.to_owned(), file, at: 0, synced: Instant::now() };
+        let mut writer =
+            Writer { path: path.to_owned(), file, at: 0, synced: Instant::now(), is_lasting: false, is_sound: true };
         writer.append(MARK)?;
         writer.append(&frame(Kind::Head, &[&head]))?;
         Ok(writer)
@@ -33,7 +39,8 @@ impl Writer {
 
     /// A file that is there, from `at` on; what follows is cut off.
     pub fn go_on(path: &Path, file: File, at: u64) -> Result<Writer, JournalError> {
-        let mut writer = Writer { path: path.to_owned(), file, at, synced: Instant::now() };
+        let mut writer =
+            Writer { path: path.to_owned(), file, at, synced: Instant::now(), is_lasting: true, is_sound: true };
         let cut = writer.file.set_len(at).and_then(|()| writer.seek());
         cut.map_err(|source| writer.fault(source))?;
         Ok(writer)
@@ -45,12 +52,18 @@ impl Writer {
         Ok(self.at - kept.bytes.len() as u64)
     }
 
+    /// Whole frames so far, bytes.
+    pub fn len(&self) -> u64 {
+        self.at
+    }
+
     /// Appends bytes, all or none of them.
     pub fn append(&mut self, bytes: &[u8]) -> Result<(), JournalError> {
         let mut written = self.file.write_all(bytes);
         if written.is_ok() && self.synced.elapsed() > UNSYNCED {
-            written = self.file.sync_data();
+            written = self.file.sync_data().and_then(|()| self.path.parent().map_or(Ok(()), flush::folder));
             self.synced = Instant::now();
+            self.is_lasting = true;
         }
         match written {
             Ok(()) => {
@@ -59,7 +72,7 @@ impl Writer {
             }
             Err(source) => {
                 // Half a frame is cut off; where even that fails, the reader does it.
-                let _ = self.file.set_len(self.at).and_then(|()| self.seek());
+                self.is_sound = self.file.set_len(self.at).and_then(|()| self.seek()).is_ok();
                 Err(self.fault(source))
             }
         }

@@ -2,6 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 use std::fs;
+use std::hash::{BuildHasher, Hasher, RandomState};
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
@@ -88,8 +89,10 @@ pub(super) fn claim_files(dir: &Path, names: &[&str]) -> Result<(), ReportError>
 /// Makes one folder, and makes sure that files can be written and moved in it.
 pub fn probe(dir: &Path) -> Result<(), ReportError> {
     fs::create_dir_all(dir).map_err(|source| unusable(dir, source))?;
-    let probe = dir.join(format!(".probe-{}.{PARTIAL}", std::process::id()));
-    let moved = dir.join(format!(".probe-{}-moved.{PARTIAL}", std::process::id()));
+    // Processes in containers all have the same number.
+    let nonce = RandomState::new().build_hasher().finish();
+    let probe = dir.join(format!(".probe-{nonce:016x}.{PARTIAL}"));
+    let moved = dir.join(format!(".probe-{nonce:016x}-moved.{PARTIAL}"));
     let moves = fs::write(&probe, b"etendue").and_then(|()| fs::rename(&probe, &moved));
     let _ = fs::remove_file(&probe);
     moves.map_err(|source| unusable(dir, source))?;

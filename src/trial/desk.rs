@@ -39,6 +39,23 @@ impl Stage {
     }
 }
 
+#[cfg(feature = "studies")]
+impl std::fmt::Display for Stage {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Stage::Exact => f.write_str("the exact values"),
+            Stage::Predictions => f.write_str("the predicted spreads"),
+            Stage::Pilot { strategy, samples } => write!(f, "the pilot of {strategy} with {samples} samples"),
+            Stage::Measure { strategy, samples } => write!(f, "{strategy} with {samples} samples"),
+            Stage::Light { rays } => write!(f, "{rays} rays from the light"),
+            Stage::Paths { next_event: true } => f.write_str("the eye paths with shadow rays"),
+            Stage::Paths { next_event: false } => f.write_str("the eye paths"),
+            Stage::Survey => f.write_str("the eye paths from the receiver"),
+            Stage::Compared => f.write_str("the map that eye paths are compared with"),
+        }
+    }
+}
+
 /// What can be kept.
 #[cfg(feature = "studies")]
 pub trait Record: serde::Serialize + serde::de::DeserializeOwned {}

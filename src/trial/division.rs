@@ -112,7 +112,7 @@ impl Division {
         }
     }
 
-    /// `None` for what belongs to everybody, and for a stage that no case should have: the first shard of the case has it.
+    /// `None` for what belongs to everybody who has some of the case.
     fn stretch(&self, case: u32, stage: Stage) -> Option<Stretch> {
         if matches!(stage, Stage::Exact | Stage::Predictions | Stage::Pilot { .. }) {
             return None;

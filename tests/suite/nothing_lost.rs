@@ -303,6 +303,99 @@ fn wherever_writing_fails_it_is_said_and_what_was_done_is_kept() {
     assert_eq!(left.len(), 1, "{left:?}");
 }
 
+/// All but the report's files can fail last: the verdicts for others, and those on standard output.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_checkpoint_stays_until_all_is_told() {
+    let folder = study();
+    let words = ["run", "penumbra/half-plane", "--quick", "--no-plots", "--out", "out"];
+    let failed = done(folder.path(), &[&words[..], &["--junit", "/dev/full"]].concat());
+    assert_eq!(failed.status.code(), Some(5), "{}", text(&failed.stderr));
+    let resumed = succeeds(folder.path(), &[&words[..], &["--resume"]].concat());
+    assert!(text(&resumed.stderr).contains("going on: "), "{}", text(&resumed.stderr));
+    assert!(!folder.path().join("out").join(CHECKPOINT).exists());
+}
+
+/// Folders whose names are no text: found by a reader of the code, every run in one ended in a panic.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_folder_may_be_called_anything() {
+    use std::os::unix::ffi::OsStrExt;
+    let folder = study();
+    let odd = folder.path().join(std::ffi::OsStr::from_bytes(b"n\xff"));
+    std::fs::create_dir(&odd).unwrap();
+    let words = ["run", "penumbra/half-plane", "--quick", "--no-plots"];
+    succeeds(&odd, &[&words[..], &["--out", "whole"]].concat());
+    succeeds(&odd, &[&words[..], &["--out", "parts", "--shard", "0/1"]].concat());
+    succeeds(&odd, &["merge", "parts", "-o", "merged", "--no-plots"]);
+    assert_same(&odd.join("whole"), &odd.join("merged"));
+}
+
+/// Shards are merged wherever they have been brought, by names that are relative to there.
+#[test]
+fn shards_are_merged_from_another_folder() {
+    let folder = study();
+    let (made, other) = (folder.path().join("made"), folder.path().join("other"));
+    [&made, &other].into_iter().for_each(|dir| std::fs::create_dir(dir).unwrap());
+    std::fs::copy(folder.path().join("large.toml"), made.join("large.toml")).unwrap();
+    let words = ["run", "large.toml", "--samples", "4", "--replicates", "1000", "--no-plots"];
+    for shard in ["0/2", "1/2"] {
+        succeeds(&made, &[&words[..], &["--out", "../other/parts", "--shard", shard]].concat());
+    }
+    succeeds(&other, &["merge", "parts", "-o", "merged", "--junit", "verdicts.xml", "--allow-undecided"]);
+    assert!(other.join("merged/verdicts.csv").is_file() && other.join("verdicts.xml").is_file());
+    // What was there before stays where nothing can be put in its place; and what is said can be done from here.
+    std::fs::remove_file(other.join("parts/shard-00001-of-00002.units")).unwrap();
+    let refused = done(&other, &["merge", "parts", "-o", "merged"]);
+    let said = text(&refused.stderr);
+    assert_eq!(refused.status.code(), Some(6), "{said}");
+    assert!(other.join("merged/verdicts.csv").is_file());
+    let made = made.canonicalize().unwrap();
+    assert!(said.contains(&format!("cd {}; for i in 1; do etendue run large.toml", made.display())), "{said}");
+    assert!(said.contains("other/parts --resume; done"), "{said}");
+}
+
+/// Heads may say anything; checksums are no proof of sense.
+#[test]
+fn shards_with_options_that_no_run_can_have_are_refused() {
+    use etendue::case::{Case, Reach};
+    use etendue::journal::{Beginning, Identity, ShardFile};
+    use etendue::trial::{Division, Overrides, Settings, Shard};
+
+    let cases = [Case::shipped("penumbra/half-plane").unwrap()];
+    let settings = |samples: Option<Vec<u64>>, strategies| Settings {
+        seed: 1,
+        effort: Default::default(),
+        overrides: Overrides { samples, strategies, ..Overrides::default() },
+    };
+    let sound = settings(None, None);
+    let odd = [
+        (settings(Some(vec![0]), None), Reach::Inside, 6, "options that no run can have"),
+        (settings(Some(Vec::new()), None), Reach::Inside, 6, "options that no run can have"),
+        (settings(Some(vec![1 << 60]), None), Reach::Inside, 6, "options that no run can have"),
+        (settings(None, Some(Vec::new())), Reach::Inside, 6, "options that no run can have"),
+        (sound.clone(), Reach::Anywhere, 2, "say it here, too"),
+        // Whole to look at, and empty.
+        (sound.clone(), Reach::Inside, 6, "no shard holds the exact values of penumbra/half-plane"),
+    ];
+    for (settings, reach, code, due) in odd {
+        let folder = tempfile::tempdir().unwrap();
+        let shard = Some(Shard { index: 0, of: 1 });
+        let identity = Identity::new(&cases, &settings, &["penumbra/half-plane".to_owned()], reach, shard);
+        let division = Division::new(&cases, &sound);
+        let parts = folder.path().join("parts");
+        let Beginning::Work(file) = ShardFile::begin(&parts, identity, division, false).unwrap() else {
+            panic!("there is none")
+        };
+        file.finish().unwrap();
+        let refused = done(folder.path(), &["merge", "parts", "-o", "merged"]);
+        let said = text(&refused.stderr);
+        assert_eq!(refused.status.code(), Some(code), "{said}");
+        assert!(said.contains(due) && !said.contains("panicked"), "{due}: {said}");
+        assert!(!folder.path().join("merged/verdicts.csv").exists());
+    }
+}
+
 #[test]
 fn a_folder_that_vanishes_is_told() {
     let folder = study();
