@@ -34,13 +34,13 @@ pub(super) fn select(selectors: &[String], reaching: &Reaching) -> Result<Vec<Ca
                 for one in unmatched {
                     fault(exit::NOTHING, one);
                     if let Some(command) = command_meant(&one.selector) {
-                        anstream::eprintln!("  tip: `{command}` is a command: etendue {command} --help");
+                        say!("  tip: `{command}` is a command: etendue {command} --help");
                     }
                 }
                 exit::NOTHING
             }
             SelectError::Faulty { .. } => {
-                anstream::eprintln!("{}", error.render(ink));
+                say!("{}", error.render(ink));
                 exit::USAGE
             }
             SelectError::SameName { .. } => fault(exit::USAGE, &error),
@@ -60,7 +60,7 @@ pub(super) fn coloured() -> bool {
 
 /// An error on stderr, and the code to leave with.
 pub(super) fn fault(code: u8, error: impl std::fmt::Display) -> u8 {
-    anstream::eprintln!("error: {error}");
+    say!("error: {error}");
     code
 }
 
@@ -142,7 +142,7 @@ fn report_to_end(options: &Report) -> Result<u8, u8> {
     let _lock = options.dir.is_dir().then(|| take(&options.dir)).transpose()?;
     let rebuilt = report::rebuild(&options.dir, !options.no_plots).map_err(|error| fault(exit::OUTPUT, error))?;
     for fault in &rebuilt.faults {
-        anstream::eprintln!("warning: {fault}");
+        say!("warning: {fault}");
     }
     print(&format!("{}\n", options.dir.join("index.html").display()))?;
     Ok(if rebuilt.faults.is_empty() { exit::PASSED } else { exit::OUTPUT })
@@ -155,7 +155,7 @@ pub fn growth(options: &Growth) -> u8 {
 fn growth_to_end(options: &Growth) -> Result<(), u8> {
     let _lock = take(&options.out)?;
     report::claim_growth(&options.out).map_err(|error| fault(exit::OUTPUT, error))?;
-    let told = |study: &str| anstream::eprintln!("timing {study}");
+    let told = |study: &str| say!("timing {study}");
     let studies = trial::growth(options.effort(), &told).map_err(|error| fault(exit::BUG, error))?;
     report::write_growth(&options.out, &studies).map_err(|error| fault(exit::OUTPUT, error))?;
     print(&report::growth_table(&studies, &options.out))
@@ -277,7 +277,7 @@ fn limits(cases: &[Case]) -> Result<(), u8> {
         match oracle::limits::limits(&case.configuration) {
             Ok(limits) => found.push((case, limits)),
             Err(none) if cases.len() == 1 => return Err(fault(exit::USAGE, format!("{}: {none}", case.name))),
-            Err(none) => anstream::eprintln!("note: {}: {none}", case.name),
+            Err(none) => say!("note: {}: {none}", case.name),
         }
     }
     if found.is_empty() {

@@ -241,12 +241,12 @@ fn judge_to_end(options: &JudgeOptions) -> Result<u8, u8> {
         // A terminal interrupts the program, too: it may have ended before it was ended.
         let code = if interrupt.asked() { exit::INTERRUPTED } else { code_of(&error) };
         match code {
-            exit::INTERRUPTED => anstream::eprintln!("interrupted: there is no verdict on {name}, and no report"),
+            exit::INTERRUPTED => say!("interrupted: there is no verdict on {name}, and no report"),
             _ => _ = fault(code, &error),
         }
         let answers = std::fs::read_to_string(&kept).map_or(0, |text| text.lines().count().saturating_sub(1));
         if [exit::USAGE, exit::INTERRUPTED].contains(&code) && answers > 0 {
-            anstream::eprintln!(
+            say!(
                 "{answers} answers, in whole replicates, are kept: etendue verify {} {}",
                 case_words(&case),
                 quoted(&kept.to_string_lossy())
@@ -400,7 +400,7 @@ pub(super) fn join(
             let judged = match guest::judge_point_sets(case, settings, &invitation, set) {
                 Ok(judged) => judged,
                 Err(error @ NotJudged::NoDirectLight { .. }) => {
-                    anstream::eprintln!("note: {error}");
+                    say!("note: {error}");
                     continue;
                 }
                 Err(error) => return Err(fault(exit::USAGE, format!("{}: {error}", path.display()))),

@@ -115,7 +115,7 @@ fn export_to_end(options: &ExportOptions) -> Result<u8, u8> {
     }
     let case = cases.remove(0);
     if let Err(why) = as_judged(&case) {
-        eprintln!("note: images of {} cannot be judged: {why}", case.name);
+        say!("note: images of {} cannot be judged: {why}", case.name);
     }
     let order = Order { pixels: options.pixels, samples_per_pixel: options.samples };
     let recipe = match options.renderer {

@@ -45,7 +45,7 @@ fn merge_to_end(options: &Merge) -> Result<u8, u8> {
     };
     if !options.quiet && !gathered.duplicates.is_empty() {
         let names: Vec<String> = gathered.duplicates.iter().map(|path| path.display().to_string()).collect();
-        anstream::eprintln!("note: twice there, and the same: {}", names.join(", "));
+        say!("note: twice there, and the same: {}", names.join(", "));
     }
     if !can_be_asked_for(&run.settings) {
         return Err(fault(exit::SHARDS, "these shards were made with options that no run can have"));
@@ -80,7 +80,7 @@ fn merge_to_end(options: &Merge) -> Result<u8, u8> {
         let code = fault(exit::SHARDS, error);
         if let Some(owner) = owner {
             let name = shard_name(owner);
-            anstream::eprintln!(
+            say!(
                 "take {name} away, wherever it is, and make it again:\n{}",
                 again(&run, &[owner.index], options, &folder, RESUMED)
             );
@@ -88,7 +88,7 @@ fn merge_to_end(options: &Merge) -> Result<u8, u8> {
         return Err(code);
     }
     if !outcome.missing.is_empty() {
-        anstream::eprintln!("interrupted: no report was written");
+        say!("interrupted: no report was written");
         return Ok(exit::INTERRUPTED);
     }
     // What was there before stays until there is something to put in its place.
@@ -105,26 +105,24 @@ fn incomplete(gathered: &Gathered, options: &Merge, here: &Path) -> u8 {
     let folders = folders.join(", ");
     let Some(run) = &gathered.identity else {
         let code = fault(exit::SHARDS, format!("no shard of a run is in {folders}"));
-        gathered.faults.iter().for_each(|fault| anstream::eprintln!("  {fault}"));
+        gathered.faults.iter().for_each(|fault| say!("  {fault}"));
         return code;
     };
     let there = gathered.of as usize - gathered.missing.len();
     fault(exit::SHARDS, format!("the run is not whole: {there} of {} shards can be used, in {folders}", gathered.of));
-    gathered.faults.iter().for_each(|fault| anstream::eprintln!("  {fault}"));
+    gathered.faults.iter().for_each(|fault| say!("  {fault}"));
     if gathered.missing.is_empty() {
-        anstream::eprintln!("every shard is there whole: take away what is named above, and merge again");
+        say!("every shard is there whole: take away what is named above, and merge again");
         return exit::SHARDS;
     }
     let missing = Indices(&gathered.missing);
-    anstream::eprintln!("  missing: {missing}");
+    say!("  missing: {missing}");
     // What belongs to another run is in the way of going on: it is not thrown away unasked.
     let is_foreign = |fault: &JournalError| matches!(fault, JournalError::Foreign { .. });
     let resumed = if gathered.faults.iter().any(is_foreign) { "" } else { RESUMED };
-    anstream::eprintln!("{}", again(run, &gathered.missing, options, here, resumed));
+    say!("{}", again(run, &gathered.missing, options, here, resumed));
     if resumed.is_empty() {
-        anstream::eprintln!(
-            "(before an array is sent: take away what belongs to another run; the line for a shell writes over it)"
-        );
+        say!("(before an array is sent: take away what belongs to another run; the line for a shell writes over it)");
     }
     exit::SHARDS
 }

@@ -1,5 +1,14 @@
 //! The command line: words in, an exit code out. No arithmetic on results.
 
+/// Says a line on standard error, in one piece. Where it cannot be said (the log lies on the disk that is full), the exit code
+/// still tells.
+macro_rules! say {
+    ($($said:tt)*) => {{
+        use std::io::Write as _;
+        let _ = anstream::stderr().write_all((format!($($said)*) + "\n").as_bytes());
+    }};
+}
+
 mod cluster;
 mod commands;
 mod compare;

@@ -51,9 +51,7 @@ fn run_to_end(options: &Run) -> Result<u8, u8> {
             if let Some(fault) = checkpoint.fault()
                 && !warned.swap(true, Relaxed)
             {
-                anstream::eprintln!(
-                    "warning: {fault}; what is done without room for it is lost if the run is interrupted"
-                );
+                say!("warning: {fault}; what is done without room for it is lost if the run is interrupted");
             }
             interrupt.asked()
         };
@@ -80,7 +78,7 @@ fn run_to_end(options: &Run) -> Result<u8, u8> {
         writing.write(&outcome, &cases, &settings, &interrupt)?;
         conclude(lines)?;
     }
-    anstream::eprintln!("{}", told(&outcome, &cases, options));
+    say!("{}", told(&outcome, &cases, options));
     Ok(exit::INTERRUPTED)
 }
 
@@ -90,7 +88,7 @@ fn checkpoint(cases: &[Case], settings: &Settings, options: &Run) -> Result<Chec
     if !options.resume {
         if Checkpoint::is_in(&options.out) && !options.quiet {
             let out = options.out.display();
-            anstream::eprintln!("note: begins anew; an interrupted run had left work in {out} (--resume goes on)");
+            say!("note: begins anew; an interrupted run had left work in {out} (--resume goes on)");
         }
         return Checkpoint::begin(&options.out, &identity).map_err(share::journal);
     }
@@ -99,16 +97,14 @@ fn checkpoint(cases: &[Case], settings: &Settings, options: &Run) -> Result<Chec
         // A checkpoint that is damaged is not better another time.
         let code = if way { fault(exit::USAGE, error) } else { share::journal(error) };
         if way {
-            anstream::eprintln!(
-                "give the command that it belongs to, another --out, or leave out --resume to begin anew"
-            );
+            say!("give the command that it belongs to, another --out, or leave out --resume to begin anew");
         }
         code
     })?;
     if !options.quiet {
         match checkpoint.resumed() {
-            0 => anstream::eprintln!("note: no interrupted run has left anything in {}", options.out.display()),
-            n => anstream::eprintln!("going on: {n} results are there"),
+            0 => say!("note: no interrupted run has left anything in {}", options.out.display()),
+            n => say!("going on: {n} results are there"),
         }
     }
     Ok(checkpoint)

@@ -28,10 +28,10 @@ pub(super) fn share(options: &Run, shard: Shard) -> Result<u8, u8> {
         Beginning::Work(file) => file,
     };
     if file.resumed() > 0 && !options.quiet {
-        anstream::eprintln!("going on: {} results are there", file.resumed());
+        say!("going on: {} results are there", file.resumed());
     }
     if file.left && !options.quiet {
-        anstream::eprintln!("note: begins anew; earlier tries at this shard have left work (--resume goes on)");
+        say!("note: begins anew; earlier tries at this shard have left work (--resume goes on)");
     }
     let board = Board::new(cases.len(), options.progress, options.quiet);
     let all = trial::run_share(&cases, &settings, &*file, &|progress| {
@@ -41,13 +41,13 @@ pub(super) fn share(options: &Run, shard: Shard) -> Result<u8, u8> {
     board.finish();
     if let Some(error) = file.fault() {
         let code = journal(error);
-        anstream::eprintln!("what was done before is kept; the same command with --resume goes on from there");
+        say!("what was done before is kept; the same command with --resume goes on from there");
         return Err(code);
     }
     if !all.map_err(of_trial)? {
         let command = options.work.command();
         let out = trial::quoted(&options.out.to_string_lossy());
-        anstream::eprintln!("interrupted: what goes on: {command} --shard {shard} --out {out} --resume");
+        say!("interrupted: what goes on: {command} --shard {shard} --out {out} --resume");
         return Ok(exit::INTERRUPTED);
     }
     let finished = file.finish().map_err(journal)?;

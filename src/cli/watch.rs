@@ -199,7 +199,7 @@ impl Rounds<'_> {
                 code = match found {
                     Ok(cases) => self.round(&cases, seen)?,
                     Err(mistakes) => {
-                        anstream::eprintln!("{mistakes}");
+                        say!("{mistakes}");
                         exit::USAGE
                     }
                 };
@@ -271,14 +271,14 @@ impl Rounds<'_> {
         }
         report::claim(&options.out).map_err(|error| fault(exit::OUTPUT, error))?;
         if whole.cases.is_empty() {
-            anstream::eprintln!("{}", told(&whole, cases, options));
+            say!("{}", told(&whole, cases, options));
             return Ok(exit::INTERRUPTED);
         }
         let writing = Writing { out: &options.out, plots: !options.no_plots, watched: true };
         writing.write(&whole, cases, &settings, self.interrupt)?;
         let code = conclude(&whole, &options.out, &options.telling, None, options.quiet, options.allow_undecided)?;
         if !whole.missing.is_empty() {
-            anstream::eprintln!("{}", told(&whole, cases, options));
+            say!("{}", told(&whole, cases, options));
             return Ok(exit::INTERRUPTED);
         }
         self.reported = Some((names, code));
@@ -287,7 +287,7 @@ impl Rounds<'_> {
 
     fn say(&self, words: &str) {
         if !self.options.quiet {
-            anstream::eprintln!("{words}");
+            say!("{words}");
         }
     }
 }

@@ -316,6 +316,23 @@ fn a_checkpoint_stays_until_all_is_told() {
     assert!(!folder.path().join("out").join(CHECKPOINT).exists());
 }
 
+/// A log lies as a rule on the disk that is full. Found by failing every write: what could not be said ended in a panic.
+#[cfg(target_os = "linux")]
+#[test]
+fn what_cannot_be_said_is_told_by_the_exit_code() {
+    let folder = study();
+    let full = || std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+    for (words, code) in [
+        (&["run", "nothing-of-this-name"][..], 4),
+        (&["merge", "nowhere"], 2),
+        (&["run", "penumbra/half-plane", "--quick", "--no-plots", "--out", "out", "--progress", "plain"], 0),
+        (&["run", "penumbra/half-plane", "--quick", "--no-plots", "--out", "large.toml/out"], 5),
+    ] {
+        let ended = etendue(folder.path(), words).stderr(full()).output().unwrap();
+        assert_eq!(ended.status.code(), Some(code), "{words:?}");
+    }
+}
+
 /// Folders whose names are no text: found by a reader of the code, every run in one ended in a panic.
 #[cfg(target_os = "linux")]
 #[test]
