@@ -89,6 +89,8 @@ impl ShardFile {
                         return Err(JournalError::Foreign { path, why });
                     }
                     if found.state == State::Whole {
+                        // Whoever finished it may have been ended before this.
+                        sweep(folder, shard);
                         return Ok(Beginning::Finished(path, found.len()));
                     }
                     // What can be used of a damaged one is used.
@@ -149,13 +151,7 @@ impl ShardFile {
             self.finished_by_another().ok_or(error)
         })?;
         let _ = fs::remove_file(&self.passing);
-        for path in passing_files(&self.folder, self.shard) {
-            // Not while somebody is still at work on it: his end will come, and be the same.
-            let is_left = |file: File| file.try_lock().is_ok();
-            if OpenOptions::new().write(true).open(&path).is_ok_and(is_left) {
-                let _ = fs::remove_file(&path);
-            }
-        }
+        sweep(&self.folder, self.shard);
         Ok(finished)
     }
 
@@ -268,6 +264,17 @@ fn passing_name(folder: &Path, shard: Shard) -> PathBuf {
     use std::hash::{BuildHasher, Hasher};
     let nonce = std::hash::RandomState::new().build_hasher().finish();
     folder.join(format!(".{}.{nonce:016x}{PASSING}", shard_name(shard)))
+}
+
+/// Takes away what tries at a shard that is there have left.
+fn sweep(folder: &Path, shard: Shard) {
+    for path in passing_files(folder, shard) {
+        // Not while somebody is still at work on it: his end will come, and be the same.
+        let is_left = |file: File| file.try_lock().is_ok();
+        if OpenOptions::new().write(true).open(&path).is_ok_and(is_left) {
+            let _ = fs::remove_file(&path);
+        }
+    }
 }
 
 /// What tries at a shard have left, or are at work on.

@@ -237,6 +237,15 @@ fn a_shard_that_another_finishes_first_is_finished() {
     let first = quick.finish().unwrap();
     assert_eq!(slow.finish().unwrap(), first);
     assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 1);
+    // Killed after it was finished, and before it was swept: one of two hundred kills. Not while somebody is at work.
+    let name = |k: u32| dir.path().join(format!(".{}.{k:016x}.partial", shard_name(shard)));
+    (0..2).for_each(|k| fs::write(name(k), "half").unwrap());
+    let busy = fs::File::open(name(1)).unwrap();
+    busy.try_lock().unwrap();
+    let division = Division::new(&cases(), &settings(1));
+    let there = ShardFile::begin(dir.path(), identity(1, Some(shard)), division, true).unwrap();
+    assert!(matches!(there, Beginning::Finished(_, 6)));
+    assert_eq!((name(0).exists(), name(1).exists()), (false, true));
 }
 
 /// What is found and does not fit is made anew: that is what the file has.
