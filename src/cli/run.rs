@@ -93,7 +93,8 @@ fn checkpoint(cases: &[Case], settings: &Settings, options: &Run) -> Result<Chec
         return Checkpoint::begin(&options.out, &identity).map_err(share::journal);
     }
     let checkpoint = Checkpoint::resume(&options.out, &identity).map_err(|error| {
-        let way = matches!(error, JournalError::Foreign { .. } | JournalError::Damaged { .. });
+        let way =
+            matches!(error, JournalError::Foreign { .. } | JournalError::Torn { .. } | JournalError::Damaged { .. });
         // A checkpoint that is damaged is not better another time.
         let code = if way { fault(exit::USAGE, error) } else { share::journal(error) };
         if way {

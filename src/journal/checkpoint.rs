@@ -9,7 +9,7 @@ use std::sync::{Mutex, PoisonError};
 use super::error::JournalError;
 use super::flush;
 use super::identity::Identity;
-use super::shelf::{Shelf, State, TORN, read};
+use super::shelf::{Shelf, State, read};
 use super::writer::Writer;
 use crate::trial::{Absent, Keeper, Kept, Unit};
 
@@ -44,10 +44,9 @@ impl Checkpoint {
             Err(JournalError::Read { source, .. }) if source.kind() == io::ErrorKind::NotFound => {
                 return Checkpoint::begin(folder, identity);
             }
-            // It was ended before its head was whole: nothing was done yet.
-            Err(JournalError::Damaged { what, .. }) if what == TORN || is_stub(&path) => {
-                return Checkpoint::begin(folder, identity);
-            }
+            // Nothing was done yet.
+            Err(JournalError::Torn { .. }) => return Checkpoint::begin(folder, identity),
+            Err(JournalError::Damaged { .. }) if is_stub(&path) => return Checkpoint::begin(folder, identity),
             Err(error) => return Err(error),
         };
         if let Some(why) = identity.difference(&found.identity) {

@@ -21,6 +21,9 @@ pub enum JournalError {
     /// It belongs to another run: what is different, what it has, what this run has.
     #[error("{} belongs to another run: {why}", path.display())]
     Foreign { path: PathBuf, why: String },
+    /// It was ended before its head was written.
+    #[error("{} is damaged: its head is not whole", path.display())]
+    Torn { path: PathBuf },
     #[error("{} is damaged: {what}", path.display())]
     Damaged { path: PathBuf, what: String },
     /// Shards that look whole have not all that they should.
@@ -34,7 +37,10 @@ impl JournalError {
         match self {
             JournalError::InUse { .. } => true,
             JournalError::Read { source, .. } | JournalError::Write { source, .. } => passes(source),
-            JournalError::Foreign { .. } | JournalError::Damaged { .. } | JournalError::Lacking { .. } => false,
+            JournalError::Foreign { .. }
+            | JournalError::Torn { .. }
+            | JournalError::Damaged { .. }
+            | JournalError::Lacking { .. } => false,
         }
     }
 }

@@ -20,32 +20,37 @@ impl FolderLock {
     /// Takes a folder, which is made where there is none.
     pub fn take(folder: &Path) -> Result<FolderLock, JournalError> {
         let path = folder.join(LOCK);
-        let fault = |source| JournalError::Write { path: path.clone(), source };
         fs::create_dir_all(folder).map_err(|source| JournalError::Write { path: folder.to_owned(), source })?;
-        for trial in 0.. {
-            let mut file =
-                OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path).map_err(fault)?;
-            match file.try_lock() {
-                Ok(()) => {}
-                Err(TryLockError::WouldBlock) => {
-                    let mut by = String::new();
-                    let _ = file.take(200).read_to_string(&mut by);
-                    let by = if by.is_empty() { by } else { format!(" ({})", by.trim()) };
-                    return Err(JournalError::InUse { path: folder.to_owned(), by });
-                }
-                // A file system without locks: two runs at once are then nobody's to tell.
-                Err(TryLockError::Error(error)) if has_no_locks(&error) => {}
-                Err(TryLockError::Error(error)) => return Err(fault(error)),
+        let mut file = FolderLock::open(&path, folder)?;
+        // Who held it before may have taken the file away between the two steps.
+        for _ in 0..PATIENCE {
+            if is_there(&file, &path) {
+                break;
             }
-            // Who held it before may have taken the file away between the two steps.
-            if !is_there(&file, &path) && trial < PATIENCE {
-                continue;
-            }
-            let told = format!("process {} on {}\n", std::process::id(), super::host());
-            let _ = file.set_len(0).and_then(|()| file.rewind()).and_then(|()| file.write_all(told.as_bytes()));
-            return Ok(FolderLock { path, _file: file });
+            file = FolderLock::open(&path, folder)?;
         }
-        unreachable!("patience has an end")
+        let told = format!("process {} on {}\n", std::process::id(), super::host());
+        let _ = file.set_len(0).and_then(|()| file.rewind()).and_then(|()| file.write_all(told.as_bytes()));
+        Ok(FolderLock { path, _file: file })
+    }
+
+    /// The file, made and locked.
+    fn open(path: &Path, folder: &Path) -> Result<File, JournalError> {
+        let fault = |source| JournalError::Write { path: path.to_owned(), source };
+        let file =
+            OpenOptions::new().read(true).write(true).create(true).truncate(false).open(path).map_err(fault)?;
+        match file.try_lock() {
+            Ok(()) => Ok(file),
+            Err(TryLockError::WouldBlock) => {
+                let mut by = String::new();
+                let _ = file.take(200).read_to_string(&mut by);
+                let by = if by.is_empty() { by } else { format!(" ({})", by.trim()) };
+                Err(JournalError::InUse { path: folder.to_owned(), by })
+            }
+            // A file system without locks: two runs at once are then nobody's to tell.
+            Err(TryLockError::Error(error)) if has_no_locks(&error) => Ok(file),
+            Err(TryLockError::Error(error)) => Err(fault(error)),
+        }
     }
 }
 

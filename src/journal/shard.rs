@@ -43,8 +43,9 @@ pub struct ShardFile {
     division: Division,
     /// Of earlier tries.
     earlier: Mutex<Shelf>,
-    /// Units of earlier tries; and whether some of them were left alone.
+    /// Units of earlier tries.
     resumed: usize,
+    /// Whether earlier tries have left work that is not gone on with.
     pub left: bool,
     passing: PathBuf,
     writer: Mutex<Writer>,
@@ -97,7 +98,7 @@ impl ShardFile {
                     shelf.take(&path, &found);
                 }
                 Err(JournalError::Read { source, .. }) if source.kind() == io::ErrorKind::NotFound => {}
-                Err(JournalError::Damaged { .. }) => {}
+                Err(JournalError::Torn { .. } | JournalError::Damaged { .. }) => {}
                 Err(error) => return Err(error),
             }
             for path in passing_files(folder, shard) {

@@ -11,9 +11,6 @@ use super::frame::{BEFORE, Broken, Frames, Kind, end_of, unit_of};
 use super::identity::Identity;
 use crate::trial::{Kept, Unit};
 
-/// Why a head cannot be read that was not written to its end.
-pub(super) const TORN: &str = "its head is not whole";
-
 /// What is said of a file that ends after a whole unit.
 pub(super) const UNFINISHED: &str = "it is not finished";
 
@@ -78,7 +75,7 @@ pub(super) fn read_from(from: impl Read, length: u64, path: &Path) -> Result<Rea
     let mut body = Vec::new();
     let head = frames.next(&mut body).map_err(fault)?;
     if head == Err(Broken::Short) {
-        return Err(damaged(TORN));
+        return Err(JournalError::Torn { path: path.to_owned() });
     }
     if head != Ok(Some(Kind::Head)) || body.len() > LONGEST_HEAD {
         return Err(damaged("its head cannot be read"));

@@ -16,14 +16,14 @@ use super::settings::{Effort, Settings};
 use crate::case::{Case, Replicates, Study};
 use crate::geometry::Shape;
 use crate::oracle::optics::RoomLight;
+use crate::sampling::Strategy;
 
-/// Nanoseconds of a shadow ray past shapes with closed forms, past a mesh; of a ray from the light, of an eye path.
-const SHADOW_RAY: u128 = 4;
-const MESH_RAY: u128 = 40;
-const LIGHT_RAY: u128 = 250;
-const EYE_PATH: u128 = 1000;
-/// Eye paths from all points, about, as long as nobody has found out how many it takes.
-const EYE_PATHS: u128 = 1 << 20;
+/// Nanoseconds that a mesh adds to a shadow ray; of a ray from the light, of an eye path.
+const PAST_A_MESH: u128 = 36;
+const LIGHT_RAY: u128 = 200;
+const EYE_PATH: u128 = 100;
+/// Eye paths from all points that a bias as large as the mean needs, about.
+const EYE_PATHS: f64 = 1e3;
 
 /// One of the parts that a run is divided into.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -128,13 +128,14 @@ fn stages_of(case: &Case, settings: &Settings) -> Vec<(Stage, u128)> {
     let study = settings.study(&case.study);
     let mut stages = Vec::new();
     if case.measures_direct_light() {
-        let mesh = room.occluders().iter().any(|shape| matches!(shape, Shape::Mesh(_)));
-        let ray = if mesh { MESH_RAY } else { SHADOW_RAY };
-        let at_once = ray * room.sources().len() as u128 * room.points().len() as u128;
+        let has_mesh = room.occluders().iter().any(|shape| matches!(shape, Shape::Mesh(_)));
+        let past = if has_mesh { PAST_A_MESH } else { 0 };
+        let at_once = room.sources().len() as u128 * room.points().len() as u128;
         for strategy in &study.strategies {
+            let Price { ray, needed } = price(*strategy);
             for samples in &study.samples {
                 let stage = Stage::Measure { strategy: *strategy, samples: *samples };
-                stages.push((stage, at_once * samples_in_all(&study, *samples)));
+                stages.push((stage, at_once * (ray + past) * samples_in_all(&study, *samples, needed)));
             }
         }
     }
@@ -145,7 +146,8 @@ fn stages_of(case: &Case, settings: &Settings) -> Vec<(Stage, u128)> {
         stages.extend(rays);
     }
     if RoomLight::new(room).judged().is_some() {
-        stages.extend([false, true].map(|next_event| (Stage::Paths { next_event }, EYE_PATH * EYE_PATHS)));
+        let paths = (EYE_PATHS / square(study.smallest_bias.mean)) as u128;
+        stages.extend([false, true].map(|next_event| (Stage::Paths { next_event }, EYE_PATH * paths)));
     }
     if bends {
         stages.push((Stage::Survey, EYE_PATH * u128::from(surveyed(true, quick))));
@@ -154,18 +156,48 @@ fn stages_of(case: &Case, settings: &Settings) -> Vec<(Stage, u128)> {
     stages
 }
 
-/// Samples of a cell at one point and on one source, over all replicates: as said, or about as many as an estimate needs
-/// that varies by a third of its mean.
-fn samples_in_all(study: &Study, samples: u64) -> u128 {
+/// What a strategy takes, about.
+struct Price {
+    /// Nanoseconds of a shadow ray, with its point; with what its pilot adds.
+    ray: u128,
+    /// Samples that a bias as large as the mean needs.
+    needed: f64,
+}
+
+/// Means over the shipped cases.
+fn price(strategy: Strategy) -> Price {
+    let (ray, needed) = match strategy {
+        Strategy::Random => (8, 6.0),
+        Strategy::Correlated => (3, 40.0),
+        Strategy::Stratified => (9, 4.0),
+        Strategy::UniformJitter => (60, 4.0),
+        Strategy::LatinHypercube => (110, 4.0),
+        Strategy::MultiJittered => (160, 4.0),
+        Strategy::Sobol => (80, 4.0),
+        Strategy::SolidAngle => (170, 4.0),
+        Strategy::Cosine => (75, 160.0),
+        Strategy::MisBalance | Strategy::MisPower => (78, 4.0),
+    };
+    Price { ray, needed }
+}
+
+/// Samples of a cell at one point and on one source, over all replicates: as said, or as its smallest bias should need.
+fn samples_in_all(study: &Study, samples: u64, needed: f64) -> u128 {
     let replicates = match study.replicates {
         Replicates::Fixed(replicates) => u128::from(replicates),
         Replicates::Auto => {
-            let bias = study.smallest_bias.mean.min(study.smallest_bias.point).max(1e-9);
-            let needed = (10.0 / (bias * bias)) as u128 / u128::from(samples);
+            let bias = study.smallest_bias.mean.min(study.smallest_bias.point);
+            let needed = (needed / square(bias)) as u128 / u128::from(samples);
             needed.max(128).max(16_384 / u128::from(samples))
         }
     };
     replicates * u128::from(samples)
+}
+
+/// Of a bias; none is taken for smaller than can be seen in any time.
+fn square(bias: f64) -> f64 {
+    let bias = bias.max(1e-9);
+    bias * bias
 }
 
 #[cfg(test)]

@@ -68,29 +68,38 @@ mod tests {
 
     use super::*;
     use crate::case::{Case, shipped};
+    use crate::sampling::Strategy;
     use crate::trial::{Effort, Overrides, Progress, Settings, run_kept};
 
     /// Keeps units in memory, and makes those that it has not.
     #[derive(Default)]
-    struct Memory(Mutex<BTreeMap<Unit, Kept>>);
+    struct Memory {
+        units: Mutex<BTreeMap<Unit, Kept>>,
+        /// In this run.
+        made: Mutex<Vec<Unit>>,
+    }
 
     impl Keeper for Memory {
         fn found(&self, unit: &Unit) -> Option<Kept> {
-            self.0.lock().unwrap().get(unit).cloned()
+            self.units.lock().unwrap().get(unit).cloned()
         }
         fn absent(&self, _: &Unit) -> Absent {
             Absent::Make
         }
         fn keep(&self, unit: &Unit, kept: Kept) -> ControlFlow<()> {
-            self.0.lock().unwrap().insert(*unit, kept);
+            self.units.lock().unwrap().insert(*unit, kept);
+            self.made.lock().unwrap().push(*unit);
             ControlFlow::Continue(())
         }
     }
 
+    /// Results of all units; all techniques have a prediction of their own.
     fn run(cases: &[Case], keeper: &Memory) -> BTreeMap<Unit, Vec<u8>> {
-        let settings = Settings { seed: 1, effort: Effort::Quick, overrides: Overrides::default() };
+        let overrides = Overrides { strategies: Some(Strategy::ALL.to_vec()), ..Overrides::default() };
+        let settings = Settings { seed: 1, effort: Effort::Quick, overrides };
+        keeper.made.lock().unwrap().clear();
         run_kept(cases, &settings, keeper, &|_: Progress| ControlFlow::Continue(())).unwrap();
-        keeper.0.lock().unwrap().iter().map(|(unit, kept)| (*unit, kept.bytes.clone())).collect()
+        keeper.units.lock().unwrap().iter().map(|(unit, kept)| (*unit, kept.bytes.clone())).collect()
     }
 
     /// Results under units that they do not belong to, as no fault of a disk would leave them: their checksums are right. They are
@@ -105,8 +114,11 @@ mod tests {
             .collect();
         let keeper = Memory::default();
         let made = run(&cases, &keeper);
+        assert_eq!(keeper.made.lock().unwrap().len(), made.len());
+        assert!(run(&cases, &keeper) == made, "what is kept is taken");
+        assert_eq!(*keeper.made.lock().unwrap(), [], "and nothing is made again");
         let mut forged = 0;
-        for (unit, kept) in keeper.0.lock().unwrap().iter_mut() {
+        for (unit, kept) in keeper.units.lock().unwrap().iter_mut() {
             let stage = unit.portion.stage;
             let mut alike =
                 made.iter().filter(|(other, _)| discriminant(&other.portion.stage) == discriminant(&stage));

@@ -2,7 +2,7 @@
 # Runs that are killed at random moments, and go on: every one has to come to the bytes of a run that nobody disturbed.
 #
 #   tests/endurance/kills.sh [N]    default 200: three of five by SIGKILL, one each by SIGINT and SIGTERM; every fourth is killed
-#                                   once more while it goes on, every fifth is a shard that is merged; some five minutes
+#                                   once more while it goes on, every fifth is a shard that is merged; some ten minutes
 #   ETENDUE=path/to/etendue         the program (default: target/release/etendue)
 #   SEED=7                          of the moments
 set -uo pipefail
