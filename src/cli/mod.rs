@@ -29,6 +29,7 @@ mod share;
 mod standing;
 mod watch;
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::process::ExitCode;
 
 use clap::Parser;
@@ -59,8 +60,21 @@ mod exit {
 
 /// Parses the command line, does what it says, and returns the exit code.
 pub fn main() -> ExitCode {
-    let options = options::Options::parse();
-    let code = match options.command {
+    ExitCode::from(or_bug(|| obey(options::Options::parse())))
+}
+
+/// What a command comes to. A panic is a fault of this program, and is told as one.
+fn or_bug(command: impl FnOnce() -> u8) -> u8 {
+    // Nothing of the command is used afterwards.
+    catch_unwind(AssertUnwindSafe(command)).unwrap_or_else(|_| {
+        let version = env!("CARGO_PKG_VERSION");
+        say!("error: this is a bug of etendue {version}: please report the command and the lines above");
+        exit::BUG
+    })
+}
+
+fn obey(options: options::Options) -> u8 {
+    match options.command {
         Some(options::Command::List(list)) => commands::list(&list),
         Some(options::Command::Check(check)) => commands::check(&check),
         Some(options::Command::Exact(exact)) => commands::exact(&exact),
@@ -83,6 +97,18 @@ pub fn main() -> ExitCode {
         Some(options::Command::Man(man)) => help::man(&man),
         Some(options::Command::Run(run)) => run::run(&run),
         None => run::run(&options.run),
-    };
-    ExitCode::from(code)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_ends_as_a_bug() {
+        assert_eq!(or_bug(|| exit::UNDECIDED), exit::UNDECIDED);
+        assert_eq!(or_bug(|| panic!("in the main thread")), exit::BUG);
+        // What other threads panic with comes here, too.
+        assert_eq!(or_bug(|| rayon::join(|| exit::PASSED, || panic!("in another")).0), exit::BUG);
+    }
 }

@@ -51,13 +51,21 @@ pub(super) fn watch(options: &Run) -> Result<u8, u8> {
     let (tell, news) = channel();
     thread::scope(|scope| {
         let (version, ended, last) = (&version, &ended, first.clone());
+        let _ending = Ending(ended);
         let goes_on = || !ended.load(Ordering::Relaxed);
         scope.spawn(move || listen(selectors, folders, &stirred, last, version, &tell, &goes_on));
         let mut rounds = Rounds { options, interrupt: &interrupt, version, known: BTreeMap::new(), reported: None };
-        let code = rounds.go_on(first, &news);
-        ended.store(true, Ordering::Relaxed);
-        code
+        rounds.go_on(first, &news)
     })
+}
+
+/// Says that it is over, also where that is by a panic.
+struct Ending<'a>(&'a AtomicBool);
+
+impl Drop for Ending<'_> {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
 }
 
 /// Refuses what cannot change.
