@@ -97,7 +97,7 @@ pub(super) fn png(pixels: &[Rgb], [width, height]: [usize; 2], texts: &[(&str, S
 pub(super) fn check(bytes: &[u8]) -> Result<(), String> {
     /// Far more than a view has.
     const PIXELS: u64 = 1 << 24;
-    let wrong = |error: png::DecodingError| error.to_string();
+    let wrong = |error: png::DecodingError| error.to_string().trim_end_matches('.').to_owned();
     let mut reader = png::Decoder::new(bytes).read_info().map_err(wrong)?;
     let (width, height) = (reader.info().width, reader.info().height);
     if u64::from(width) * u64::from(height) > PIXELS {

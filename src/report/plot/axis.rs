@@ -50,7 +50,8 @@ impl Axis {
         let shown = |v: f64| (low * (1.0 - 1e-9)..=high * (1.0 + 1e-9)).contains(&v);
         let is_plain = low >= 0.5 * SMALLEST_PLAIN && high < LARGEST_PLAIN && decades < 3.0;
         let ticks = |factors: &[u32]| -> Vec<(f64, String)> {
-            let exponents = first.floor() as i32..=last.ceil() as i32;
+            let is_ticked = |exponent: &i32| every <= SPARSE || exponent.rem_euclid(every) == 0;
+            let exponents = (first.floor() as i32..=last.ceil() as i32).filter(is_ticked);
             let all = exponents.flat_map(|exponent| factors.iter().map(move |factor| (*factor, exponent)));
             let label = |factor: u32, exponent: i32| match factor {
                 _ if is_plain => plain_label(factor, exponent),
@@ -155,6 +156,9 @@ impl Axis {
 const SHORTEST: f64 = 1e-300;
 /// No axis reaches further: a report may say any number that there is, and twice that is none.
 const LARGEST: f64 = 1e300;
+
+/// Decades from label to label; where there are more, those between have no ticks.
+const SPARSE: i32 = 5;
 
 /// Lengths of an axis that a value may lie beside it.
 const BEYOND: f64 = 1e3;
@@ -266,6 +270,14 @@ mod tests {
         for (low, high) in [(0.0, 5e-324), (-1e-323, 1e-323), (1.0, 1.0 + f64::EPSILON), (-1e300, 1e300)] {
             let axis = Axis::linear(low, high, true, 5);
             assert!(axis.low() <= low && axis.high() >= high && (2..20).contains(&axis.ticks.len()), "{axis:?}");
+        }
+    }
+
+    #[test]
+    fn ticks_do_not_crowd_an_axis_of_many_decades() {
+        for decades in [3, 12, 40, 100, 280] {
+            let axis = Axis::log(1e-8, 1e-8 * 10f64.powi(decades), 12);
+            assert!((4..=61).contains(&axis.ticks.len()) && (3..=13).contains(&labels(&axis).len()), "{axis:?}");
         }
     }
 }
