@@ -164,7 +164,7 @@ struct Price {
     needed: f64,
 }
 
-/// Means over the shipped cases.
+/// Measured: means over the shipped cases, rounded. They decide who makes what, never what comes of it.
 fn price(strategy: Strategy) -> Price {
     let (ray, needed) = match strategy {
         Strategy::Random => (8, 6.0),
